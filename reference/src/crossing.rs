@@ -1,0 +1,82 @@
+//! Crossings: where in an ROI the line passes the threshold (CROSS).
+
+use crate::hypotheses::Hypothesis;
+use crate::threshold::Threshold;
+
+/// Where a transition lies between its two pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CrossingRule {
+    /// Where the straight line between both grey values crosses the threshold (CROSS-2).
+    #[default]
+    Interpolated,
+    /// Half way, the paper's rule (CROSS-3).
+    WholePixel,
+}
+
+/// A transition that has been given the barcode edge it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// `v`: the edge, counted from the barcode's middle, left negative.
+    pub edge: i32,
+    /// `z`: the column relative to the ROI's middle, in units of `2^-Q` px.
+    pub column: i32,
+}
+
+/// Fraction bits `Q` of the crossings of an ROI (CROSS-1).
+#[must_use]
+pub fn subpixel_bits(hypothesis: &Hypothesis) -> u32 {
+    (1..=8).rev().find(|&q| (hypothesis.extent() + 1) << q <= 4096).unwrap_or(1)
+}
+
+/// Column `z` of the transition between the pixels `i` and `i + 1` of an ROI, in units of `2^-Q` px.
+#[must_use]
+pub fn crossing(line: &[u8], threshold: &Threshold, rule: CrossingRule, roi: &Hypothesis, i: usize) -> i32 {
+    let unit = 1 << subpixel_bits(roi);
+    let fraction = match rule {
+        CrossingRule::Interpolated => {
+            let before = threshold.contrast(line[i]).abs();
+            let after = threshold.contrast(line[i + 1]).abs();
+            // Rounded half up; both contrasts cannot be 0, since the pixels differ in colour.
+            (2 * unit * before + before + after) / (2 * (before + after))
+        }
+        CrossingRule::WholePixel => unit / 2,
+    };
+    let twice_from_middle = 2 * signed(i) - signed(roi.first_pixel + roi.last_pixel);
+    unit / 2 * twice_from_middle + fraction
+}
+
+/// A pixel number as a signed integer: lines are at most 640 px long.
+fn signed(pixel: usize) -> i32 {
+    i32::try_from(pixel).unwrap_or(i32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn roi(first_pixel: usize, last_pixel: usize) -> Hypothesis {
+        Hypothesis { first_region: 1, last_region: 1, first_pixel, last_pixel }
+    }
+
+    #[test]
+    fn resolution_follows_the_extent() {
+        let bits = |extent: usize| subpixel_bits(&roi(0, extent - 1));
+        assert_eq!(
+            [15, 16, 31, 32, 63, 64, 127, 128, 255, 256, 511, 512, 640].map(bits),
+            [8, 7, 7, 6, 6, 5, 5, 4, 4, 3, 3, 2, 2]
+        );
+    }
+
+    #[test]
+    fn crossings_are_interpolated_and_rounded_half_up() {
+        let threshold = Threshold { darkest: 0, brightest: 200 };
+        // Extent 63: Q = 6. From 200 (contrast 200) to 50 (contrast -100): 2/3 of the way is 42.67 units.
+        let line = [&[200; 4][..], &[50; 70][..]].concat();
+        let z = |rule| crossing(&line, &threshold, rule, &roi(4, 66), 3);
+        assert_eq!(z(CrossingRule::Interpolated), 64 * (3 - 35) + 43);
+        assert_eq!(z(CrossingRule::WholePixel), 64 * (3 - 35) + 32);
+        // Extent 64: Q = 5 and a middle on a half pixel. 1/64 of a pixel is half a unit and rounds up.
+        let line = [[101; 4], [37; 4]].concat();
+        assert_eq!(crossing(&line, &threshold, CrossingRule::Interpolated, &roi(4, 67), 3), 16 * (6 - 71) + 1);
+    }
+}

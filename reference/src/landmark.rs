@@ -1,0 +1,121 @@
+//! The two landmark formats and a landmark's stripes (LAND).
+
+use crate::codeword::{self, EncodeRefusal};
+
+/// Bar-space pairs of one guard.
+pub const GUARD_PAIRS: usize = 2;
+
+/// Default stripe width `X_dim` in metres (LAND-6).
+pub const STRIPE_WIDTH: f64 = 1.5e-3;
+
+/// Default height of one layer in metres (LAND-6).
+pub const STRIPE_HEIGHT: f64 = 25e-3;
+
+/// White on either side of a barcode, in stripe widths (LAND-5).
+pub const QUIET_ZONE_STRIPES: f64 = 2.5;
+
+/// A layout of code word and stripes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Format {
+    /// 12 code stripes per layer: 16 bits of payload, as the paper's stripes.
+    Paper,
+    /// 16 code stripes per layer: 24 bits of payload, as the paper's bits.
+    Wide,
+}
+
+impl Format {
+    /// Both formats.
+    pub const ALL: [Self; 2] = [Self::Paper, Self::Wide];
+
+    /// Code stripes per layer, `N_code`.
+    #[must_use]
+    pub fn code_stripes(self) -> usize {
+        match self {
+            Self::Paper => 12,
+            Self::Wide => 16,
+        }
+    }
+
+    /// Stripes per layer, `N` (LAND-1).
+    #[must_use]
+    pub fn stripes(self) -> usize {
+        self.code_stripes() + 4 * GUARD_PAIRS
+    }
+
+    /// Bits of payload; the rest of the code word is its check byte.
+    #[must_use]
+    pub fn payload_bits(self) -> usize {
+        2 * self.code_stripes() - 8
+    }
+}
+
+/// A barcode's format and its dimensions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landmark {
+    /// Layout of its code word.
+    pub format: Format,
+    /// `X_dim`, metres.
+    pub stripe_width: f64,
+    /// Height of one layer, metres.
+    pub stripe_height: f64,
+}
+
+impl Landmark {
+    /// A landmark of the default dimensions (LAND-6).
+    #[must_use]
+    pub fn new(format: Format) -> Self {
+        Self { format, stripe_width: STRIPE_WIDTH, stripe_height: STRIPE_HEIGHT }
+    }
+
+    /// Half the barcode's width, `W = N X_dim / 2`, metres.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        self.format.stripes() as f64 * self.stripe_width / 2.0
+    }
+
+    /// Stripe edges `b_k`, k = 0..N, metres on the y axis of L, the right-most first (LAND-2).
+    #[must_use]
+    pub fn edges(&self) -> Vec<f64> {
+        let half = self.format.stripes() as f64 / 2.0;
+        (0..=self.format.stripes()).map(|k| (half - k as f64) * self.stripe_width).collect()
+    }
+}
+
+/// The colours of one layer from left to right, true for a bar: guard, code, mirrored guard (LAND-3, CODE-3).
+#[must_use]
+pub fn stripes(format: Format, half_word: u32) -> Vec<bool> {
+    let guard = [true, false].repeat(GUARD_PAIRS);
+    let code = (0..format.code_stripes()).rev().map(|bit| half_word >> bit & 1 == 1);
+    guard.iter().copied().chain(code).chain(guard.iter().rev().copied()).collect()
+}
+
+/// The stripes of both layers, upper first, of the landmark that carries `payload` (CODE-4).
+pub fn layers(format: Format, payload: u32) -> Result<[Vec<bool>; 2], EncodeRefusal> {
+    let (upper, lower) = codeword::encode(format, payload)?;
+    Ok([stripes(format, upper), stripes(format, lower)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_those_of_the_table() {
+        let table = Format::ALL.map(|f| (f.code_stripes(), f.stripes(), f.payload_bits()));
+        assert_eq!(table, [(12, 20, 16), (16, 24, 24)]);
+    }
+
+    #[test]
+    fn edges_run_from_right_to_left() {
+        let edges = Landmark::new(Format::Paper).edges();
+        assert_eq!(edges.len(), 21);
+        assert!((edges[0] - 15e-3).abs() < 1e-15 && (edges[20] + 15e-3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn both_outermost_stripes_are_bars() {
+        let written: String =
+            stripes(Format::Paper, 0b1100_1100_0000).iter().map(|&bar| if bar { '1' } else { '0' }).collect();
+        assert_eq!(written, "1010".to_owned() + "110011000000" + "0101");
+    }
+}

@@ -1,0 +1,58 @@
+//! Observers: every stage reports its result to one, so that no second, instrumented pipeline exists.
+
+use crate::crossing::Crossing;
+use crate::decode::DecodedLayer;
+use crate::homography::Homography;
+use crate::hypotheses::Hypothesis;
+use crate::landmark::Format;
+use crate::merge::Detection;
+use crate::refusal::{HypothesisRefusal, LineRefusal, PairRefusal};
+use crate::regions::Region;
+use crate::sampling::{Residual, Sample};
+use crate::threshold::Threshold;
+
+/// One of the two scan lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Layer {
+    /// The upper layer, read by the upper scan line.
+    Upper,
+    /// The lower layer, read by the lower scan line.
+    Lower,
+}
+
+/// Hears every stage's result, in the order in which the stages run. Methods that are not overridden cost nothing.
+#[expect(unused_variables, reason = "the empty default methods name their arguments for the reader")]
+pub trait Observer {
+    /// A line's threshold.
+    fn threshold(&mut self, layer: Layer, threshold: &Threshold) {}
+    /// A line's regions.
+    fn regions(&mut self, layer: Layer, regions: &[Region]) {}
+    /// A line gives nothing, or no layers of the format that is being searched.
+    fn line_refused(&mut self, layer: Layer, refusal: LineRefusal) {}
+    /// An ROI, before its checks.
+    fn hypothesis(&mut self, layer: Layer, format: Format, hypothesis: &Hypothesis) {}
+    /// A transition that enters the ROI's homography.
+    fn crossing(&mut self, crossing: &Crossing) {}
+    /// The ROI's homography relative to its middle, before HOMOG-3.
+    fn homography(&mut self, homography: &Homography) {}
+    /// A sampled stripe of the ROI.
+    fn sample(&mut self, sample: &Sample) {}
+    /// How the ROI's transitions fit the format.
+    fn residual(&mut self, residual: &Residual) {}
+    /// The ROI is refused.
+    fn refused(&mut self, refusal: HypothesisRefusal) {}
+    /// The ROI is decoded.
+    fn decoded(&mut self, layer: &DecodedLayer) {}
+    /// A pair of layers and its payload.
+    fn pair(&mut self, format: Format, upper: &DecodedLayer, lower: &DecodedLayer, result: Result<u32, PairRefusal>) {}
+    /// A result of the detector.
+    fn detection(&mut self, detection: &Detection) {}
+    /// A detection that MERGE-7 withdraws.
+    fn ambiguous(&mut self, detection: &Detection) {}
+}
+
+/// An observer that hears nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}
