@@ -3,7 +3,7 @@
 use crate::frame::{self, Point, Pose};
 use core::fmt;
 
-/// A camera that reads two of its rows.
+/// A camera that reads two of its rows. Column `i` is the middle of pixel `i` (CAM-1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// `Q_x`, pixels.

@@ -1,12 +1,16 @@
 //! The two landmark formats and a landmark's stripes (LAND).
 
 use crate::codeword::{self, EncodeRefusal};
+use core::fmt;
 
 /// Bar-space pairs of one guard.
 pub const GUARD_PAIRS: usize = 2;
 
 /// Default stripe width `X_dim` in metres (LAND-6).
 pub const STRIPE_WIDTH: f64 = 1.5e-3;
+
+/// Stripe widths that LAND-7 allows, metres.
+pub const STRIPE_WIDTHS: core::ops::RangeInclusive<f64> = 0.5e-3..=20e-3;
 
 /// Default height of one layer in metres (LAND-6).
 pub const STRIPE_HEIGHT: f64 = 25e-3;
@@ -49,6 +53,21 @@ impl Format {
     }
 }
 
+/// Why dimensions are no landmark's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LandmarkRefusal {
+    /// LAND-7
+    StripeWidth,
+}
+
+impl fmt::Display for LandmarkRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the stripe width must be from 0.5 to 20 mm")
+    }
+}
+
+impl core::error::Error for LandmarkRefusal {}
+
 /// A barcode's format and its dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landmark {
@@ -56,7 +75,7 @@ pub struct Landmark {
     pub format: Format,
     /// `X_dim`, metres.
     pub stripe_width: f64,
-    /// Height of one layer, metres.
+    /// Height of one layer, metres; the upper one begins at the camera's height (LAND-4).
     pub stripe_height: f64,
 }
 
@@ -65,6 +84,12 @@ impl Landmark {
     #[must_use]
     pub fn new(format: Format) -> Self {
         Self { format, stripe_width: STRIPE_WIDTH, stripe_height: STRIPE_HEIGHT }
+    }
+
+    /// The landmark itself if LAND-7 allows it.
+    pub fn checked(self) -> Result<Self, LandmarkRefusal> {
+        // Written so that NaN is refused.
+        if STRIPE_WIDTHS.contains(&self.stripe_width) { Ok(self) } else { Err(LandmarkRefusal::StripeWidth) }
     }
 
     /// Half the barcode's width, `W = N X_dim / 2`, metres.
@@ -103,6 +128,14 @@ mod tests {
     fn formats_are_those_of_the_table() {
         let table = Format::ALL.map(|f| (f.code_stripes(), f.stripes(), f.payload_bits()));
         assert_eq!(table, [(12, 20, 16), (16, 24, 24)]);
+    }
+
+    #[test]
+    fn stripe_widths_outside_the_range_are_refused() {
+        let paper = Landmark::new(Format::Paper);
+        let checked = |stripe_width| Landmark { stripe_width, ..paper }.checked().is_ok();
+        assert!(checked(0.5e-3) && checked(1.5e-3) && checked(20e-3));
+        assert!(!checked(0.49e-3) && !checked(20.1e-3) && !checked(f64::NAN));
     }
 
     #[test]

@@ -34,7 +34,7 @@ impl Region {
     }
 }
 
-/// The regions of a line from left to right; they alternate in colour and cover it (REGION-4).
+/// The regions of a line from left to right; they alternate in colour and cover it (REGION-2 to REGION-5).
 pub fn regions(line: &[u8], threshold: &Threshold) -> Result<Vec<Region>, LineRefusal> {
     let raw = raw_regions(line, threshold);
     let distinct = |region: &Region| line[region.first..=region.last].iter().any(|&p| threshold.is_distinct(p));

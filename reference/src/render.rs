@@ -12,7 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 pub struct Scene {
     /// The camera in the world.
     pub camera_in_world: Pose<World, frame::Camera>,
-    /// Landmarks on white walls. They do not hide each other: the ink of what overlaps adds up to at most 1.
+    /// Landmarks on white walls. They do not hide each other: the ink of what overlaps adds up to at most 1 (RENDER-8).
     pub landmarks: Vec<Posted>,
     /// Other dark things.
     pub clutter: Vec<Clutter>,
@@ -88,7 +88,7 @@ impl Default for Sensor {
     }
 }
 
-/// The upper and the lower scan line of a scene, as wide as the camera (RENDER-1 to RENDER-7).
+/// The upper and the lower scan line of a scene, as wide as the camera (RENDER-1 to RENDER-8).
 ///
 /// `rng` gives one normal deviate for every pixel, from left to right, the upper line's first; also where the noise
 /// is 0. `camera` is one that CAM-7 allows. A payload without a code word is refused, whether it is in view or not.

@@ -11,9 +11,10 @@ use crate::threshold::Threshold;
 
 /// Declared error of the float64 arithmetic up to a stripe's middle, pixels, and up to `k` (SAMPLE-4).
 ///
-/// The scaled normal matrix of at least the eight guard transitions has a condition number below 2^13 for any increasing
-/// columns of a plausible homography, so its solution is good to 2^13 · 2^-53 · 3, and columns of at most 2^9 px to
-/// 2^-29.4 · 2^-1. `tests/exactness.rs` holds it against rational arithmetic.
+/// The normal matrix is summed from at most 25 rows of entries within ±1 and factored, with a backward error below 30 u
+/// times its trace, at most 75, u = 2^-53. Its smallest eigenvalue is at least that of the guards alone, 0.13 in a frontal
+/// view: the solution is good to 2250 u/0.13 = 2e-12 of half the ROI's extent, so columns to 1e-9 px in the widest line.
+/// `verify` compares every middle with the port's, which is exact.
 pub const DECLARED_ERROR: f64 = 1.0 / (1 << 30) as f64;
 
 /// One sampled stripe.
