@@ -1,0 +1,186 @@
+//! The number formats: types for what the port reports, and one table of every quantity.
+//!
+//! Whatever is rounded is rounded to the nearest multiple of its resolution, halves up.
+
+use core::ops::{Add, Neg, Sub};
+use fixed::types::{I2F30, I8F24, I12F20, U0F32, U16F16};
+
+/// Columns and half widths in px: `a` and `s` of a reported homography, the principal column.
+pub type Column = I12F20;
+
+/// The obliquity `k` of a homography, in [-1/2, 1/2] (`HOMOG-3`); no unit.
+pub type Obliquity = I2F30;
+
+/// A camera's focal length in px.
+pub type FocalLength = U16F16;
+
+/// A stripe's width in metres, 0.5 to 20 mm.
+pub type StripeWidth = U0F32;
+
+/// A coordinate of a pose in metres.
+pub type Length = I8F24;
+
+/// An angle in units of π/2^31, from -π inclusive to π exclusive, where the smallest value stands for π (`FRAME-5`).
+///
+/// Angles wrap, as the integers do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Angle(i32);
+
+impl Angle {
+    /// No rotation.
+    pub const ZERO: Self = Self(0);
+    /// Half a turn.
+    pub const PI: Self = Self(i32::MIN);
+
+    /// The angle `bits` π/2^31; `i32::MIN` is π.
+    #[must_use]
+    pub const fn from_bits(bits: i32) -> Self {
+        Self(bits)
+    }
+
+    /// The angle in units of π/2^31; π is `i32::MIN`.
+    #[must_use]
+    pub const fn to_bits(self) -> i32 {
+        self.0
+    }
+}
+
+impl Add for Angle {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self(self.0.wrapping_add(other.0))
+    }
+}
+
+impl Sub for Angle {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.wrapping_sub(other.0))
+    }
+}
+
+impl Neg for Angle {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(self.0.wrapping_neg())
+    }
+}
+
+/// One quantity and its number format. A value is its integer over `2^fraction_bits`, in `unit`.
+#[derive(Clone, Copy, Debug)]
+pub struct FormatRow {
+    /// The type or the field.
+    pub name: &'static str,
+    /// Unit of the value; `2^-Q px` is the ROI's own (`CROSS-1`).
+    pub unit: &'static str,
+    /// What it holds.
+    pub holds: &'static str,
+    /// Bits of the integer that carries it.
+    pub bits: u8,
+    /// How many of them are fraction bits.
+    pub fraction_bits: u8,
+    /// The smallest value that occurs, or the smallest of the format where all of it may.
+    pub smallest: &'static str,
+    /// The largest, likewise.
+    pub largest: &'static str,
+    /// The distance of neighbouring values.
+    pub resolution: &'static str,
+}
+
+/// Every quantity and its number format, in the order in which a scan line meets them.
+#[rustfmt::skip] // one row to a line
+pub const FORMATS: [FormatRow; 19] = [
+    row("pixel", "grey level", "one value of a scan line", 8, 0, "0", "255", "1"),
+    row("pixel index", "px", "first pixel of a region, ends of an ROI", 16, 0, "0", "639", "1"),
+    row("Threshold::twice", "grey level", "twice the threshold, T2", 16, 0, "0", "510", "1"),
+    row("Crossing::column", "2^-Q px", "z, from the ROI's middle", 16, 0, "-2^11", "2^11", "1"),
+    row("Crossing::edge", "stripe", "v = j - N/2", 8, 0, "-12", "12", "1"),
+    row("Normal", "powers of 2^-Q px", "sums of products of v and z", 64, 0, "-2^29.4", "2^32.4", "1"),
+    row("Solution d", "(2^-Q px)^2", "determinant of the normal equations", 64, 0, "0", "2^47.4", "1"),
+    row("Solution a", "(2^-Q px)^3", "centre times d", 64, 0, "-2^58.4", "2^58.4", "1"),
+    row("Solution s", "(2^-Q px)^3", "width per stripe times d", 64, 0, "-2^55.5", "2^55.5", "1"),
+    row("Solution k", "(2^-Q px)^2", "obliquity per stripe times d", 64, 0, "-2^44.5", "2^44.5", "1"),
+    row("Sample::numerator", "(2^-Q px)^3", "middle of a stripe times its denominator", 64, 0, "-2^60.8", "2^60.8", "1"),
+    row("Sample::denominator", "(2^-Q px)^2", "2 d (1 + k t)", 64, 0, "1", "2^49", "1"),
+    row("Column", "px", "a and s of a homography, principal column", 32, 20, "-2048", "2048 - 2^-20", "2^-20"),
+    row("Obliquity", "1", "k of a homography", 32, 30, "-1/2", "1/2", "2^-30"),
+    row("FocalLength", "px", "focal length of a camera", 32, 16, "16", "2048", "2^-16"),
+    row("StripeWidth", "m", "X_dim of a landmark", 32, 32, "0.0005", "0.02", "2^-32"),
+    row("pose ratio", "1", "x and y of a pose in half widths", 64, 24, "-2^39", "2^39", "2^-24"),
+    row("Length", "m", "x and y of a pose", 32, 24, "-128", "128 - 2^-24", "2^-24"),
+    row("Angle", "π", "heading of a pose; -1 stands for π", 32, 31, "-1", "1 - 2^-31", "2^-31"),
+];
+
+#[expect(clippy::too_many_arguments, reason = "one argument for each column of the table")]
+const fn row(
+    name: &'static str,
+    unit: &'static str,
+    holds: &'static str,
+    bits: u8,
+    fraction_bits: u8,
+    smallest: &'static str,
+    largest: &'static str,
+    resolution: &'static str,
+) -> FormatRow {
+    FormatRow { name, unit, holds, bits, fraction_bits, smallest, largest, resolution }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{env, fmt::Write, fs, path::Path, string::String};
+
+    const HEADER: &str = "# Number formats\n\n\
+        Every quantity of the port and its format. A value is its integer divided by 2^fraction; what is rounded is\n\
+        rounded to nearest, halves up. Written from `FORMATS` in `src/formats.rs` by\n\
+        `BARLOC_REGENERATE=1 cargo test -p barloc-fixedpoint formats`.\n\n\
+        | name | holds | unit | bits | fraction | smallest | largest | resolution |\n\
+        |---|---|---|---|---|---|---|---|\n";
+
+    fn markdown() -> String {
+        let mut text = String::from(HEADER);
+        for row in FORMATS {
+            writeln!(
+                text,
+                "| `{}` | {} | {} | {} | {} | {} | {} | {} |",
+                row.name, row.holds, row.unit, row.bits, row.fraction_bits, row.smallest, row.largest, row.resolution
+            )
+            .unwrap();
+        }
+        text
+    }
+
+    #[test]
+    fn formats_md_is_up_to_date() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("FORMATS.md");
+        if env::var_os("BARLOC_REGENERATE").is_some() {
+            fs::write(&path, markdown()).unwrap();
+        }
+        assert_eq!(fs::read_to_string(&path).unwrap(), markdown(), "FORMATS.md is stale");
+    }
+
+    #[test]
+    fn formats_table_describes_the_types() {
+        let described = [
+            ("Column", Column::INT_NBITS + Column::FRAC_NBITS, Column::FRAC_NBITS),
+            ("Obliquity", Obliquity::INT_NBITS + Obliquity::FRAC_NBITS, Obliquity::FRAC_NBITS),
+            ("FocalLength", FocalLength::INT_NBITS + FocalLength::FRAC_NBITS, FocalLength::FRAC_NBITS),
+            ("StripeWidth", StripeWidth::INT_NBITS + StripeWidth::FRAC_NBITS, StripeWidth::FRAC_NBITS),
+            ("Length", Length::INT_NBITS + Length::FRAC_NBITS, Length::FRAC_NBITS),
+            ("Angle", i32::BITS, 31),
+        ];
+        for (name, bits, fraction_bits) in described {
+            let row = FORMATS.iter().find(|row| row.name == name).unwrap();
+            assert_eq!((u32::from(row.bits), u32::from(row.fraction_bits)), (bits, fraction_bits), "{name}");
+        }
+    }
+
+    #[test]
+    fn angles_wrap() {
+        let quarter = Angle::from_bits(1 << 30);
+        assert_eq!(quarter + quarter, Angle::PI);
+        assert_eq!(-Angle::PI, Angle::PI);
+        assert_eq!(Angle::PI + quarter, -quarter);
+        assert_eq!(-quarter - quarter, Angle::PI);
+    }
+}

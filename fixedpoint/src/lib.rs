@@ -1,0 +1,87 @@
+//! Barcode landmarks on a microcontroller.
+//!
+//! Two scan lines of a camera go in; the landmarks they show come out, each with its payload, its homography and the
+//! camera's pose. The behaviour is specified in `reference/SPEC.md`; its requirements are cited by name (`THRESH-2`)
+//! where they are implemented. The stages run in this order:
+//!
+//! [`threshold`] → [`regions`] → [`hypotheses`] → [`homography`] (from [`crossing`]s) → [`sampling`] → [`decode`] →
+//! [`merge`] → [`pose`]
+//!
+//! and [`detect`] runs them all. Each reports its result to an [`observer`].
+//!
+//! # Arithmetic
+//! There is no floating-point number in this crate. Crossings are integers, so the normal equations of a homography
+//! are integers too, and their solution is a ratio of two 64-bit integers that is compared, never rounded, while
+//! stripes are sampled. What is rounded in the end is rounded to nearest, halves up. [`formats`] lists every format.
+//!
+//! # Memory
+//! No allocator: everything lives in a [`detect::Workspace`] of about 1.5 KB, in the returned list of about 1.2 KB,
+//! and on a shallow stack. A buffer that fills up ends in a refusal that says so.
+//!
+//! # Rules
+//! No function panics, indexes, divides by a number that can be zero, or recurses.
+//!
+//! # Example
+//! ```
+//! use fixedpoint::{camera::Camera, crossing::CrossingRule, detect, landmark::Landmark, observer::Silent};
+//!
+//! let (upper, lower) = ([255_u8; 480], [255_u8; 480]); // a white wall
+//! let mut workspace = detect::Workspace::new();
+//! let detections = detect::detect(
+//!     &upper,
+//!     &lower,
+//!     &Camera::epuck(),
+//!     &[Landmark::paper()],
+//!     CrossingRule::Interpolated,
+//!     &mut workspace,
+//!     &mut Silent,
+//! );
+//! assert!(detections.is_empty());
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+// The interface takes references throughout, also to what is small.
+#![allow(clippy::trivially_copy_pass_by_ref)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::indexing_slicing,
+        clippy::string_slice,
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::float_arithmetic,
+        clippy::float_cmp,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_possible_wrap
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod camera;
+pub mod codeword;
+pub mod cordic;
+pub mod crossing;
+pub mod decode;
+pub mod detect;
+pub mod formats;
+pub mod frame;
+pub mod homography;
+pub mod hypotheses;
+pub mod landmark;
+pub mod merge;
+pub mod observer;
+pub mod pose;
+pub mod ratio;
+pub mod refusal;
+pub mod regions;
+pub mod sampling;
+pub mod threshold;
+
+#[cfg(test)]
+mod drawing;

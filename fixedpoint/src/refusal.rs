@@ -1,0 +1,142 @@
+//! Why something was refused: small enums, each variant with a sentence.
+
+use core::fmt;
+
+/// Implements `Display`, one sentence for each variant, and `Error`.
+macro_rules! sentences {
+    ($refusal:ty { $($variant:ident: $sentence:literal),+ $(,)? }) => {
+        impl fmt::Display for $refusal {
+            fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str(match self {
+                    $(Self::$variant => $sentence,)+
+                })
+            }
+        }
+
+        impl core::error::Error for $refusal {}
+    };
+}
+
+/// Why a scan line, or what it shows of one format, was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineRefusal {
+    /// `LINE-2`.
+    Width,
+    /// `THRESH-4`.
+    LowContrast,
+    /// `REGION-5`.
+    TooManyRegions,
+    /// `DECODE-2`.
+    TooManyLayers,
+}
+
+sentences!(LineRefusal {
+    Width: "the scan line is not as long as the camera is wide",
+    LowContrast: "the scan line's range is below 24 grey levels",
+    TooManyRegions: "the scan line has more than 255 regions",
+    TooManyLayers: "the scan line has more than 8 layers of one format",
+});
+
+/// Why a region of interest was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HypothesisRefusal {
+    /// `HYPO-6`.
+    TooFewBars,
+    /// `HYPO-7`.
+    TooManyBars,
+    /// `HYPO-8`.
+    CutOff,
+    /// `HYPO-9`.
+    QuietZone,
+    /// `HYPO-11`.
+    TooNarrow,
+    /// `HOMOG-3`.
+    Implausible,
+    /// `SAMPLE-5`.
+    Guard,
+    /// `SAMPLE-6` and `SAMPLE-8`.
+    Transition,
+    /// `SAMPLE-10`.
+    Residual,
+}
+
+sentences!(HypothesisRefusal {
+    TooFewBars: "it has fewer bars than two guards",
+    TooManyBars: "it has more bars than a layer has pairs of stripes",
+    CutOff: "it reaches an end of the scan line",
+    QuietZone: "the white beside it is too narrow for a quiet zone",
+    TooNarrow: "it has less than 1.25 px per stripe",
+    Implausible: "its homography is mirrored or too oblique",
+    Guard: "a guard stripe does not fall in its region",
+    Transition: "its transitions are not those of its stripes",
+    Residual: "its transitions do not lie where the format has edges",
+});
+
+/// Why a pair of layers, or a detection, was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairRefusal {
+    /// `CODE-7`.
+    EqualHalves,
+    /// `CODE-8`.
+    Crc,
+    /// `MERGE-7`.
+    Ambiguous,
+}
+
+sentences!(PairRefusal {
+    EqualHalves: "both halves of the code word are equal",
+    Crc: "the check byte is wrong",
+    Ambiguous: "landmarks of different formats share a pixel",
+});
+
+/// Why a payload was not encoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EncodeRefusal {
+    /// `CODE-5`.
+    TooLarge,
+    /// `CODE-6`.
+    EqualHalves,
+}
+
+sentences!(EncodeRefusal {
+    TooLarge: "the payload has more bits than the format",
+    EqualHalves: "both halves of the code word would be equal",
+});
+
+/// Why a camera's description was refused (`CAM-7`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CameraRefusal {
+    /// The width is outside 32 to 640 px.
+    Width,
+    /// The focal length is outside half the width to 2048 px.
+    FocalLength,
+    /// The principal column is outside the scan line.
+    PrincipalColumn,
+}
+
+sentences!(CameraRefusal {
+    Width: "the camera's width is outside 32 to 640 px",
+    FocalLength: "the focal length is outside half the width to 2048 px",
+    PrincipalColumn: "the principal column is outside the scan line",
+});
+
+/// Why a landmark's description was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LandmarkRefusal {
+    /// The stripe width is outside 0.5 to 20 mm.
+    StripeWidth,
+}
+
+sentences!(LandmarkRefusal { StripeWidth: "the stripe width is outside 0.5 to 20 mm" });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn a_refusal_says_why() {
+        assert_eq!(LineRefusal::TooManyLayers.to_string(), "the scan line has more than 8 layers of one format");
+        assert_eq!(PairRefusal::Crc.to_string(), "the check byte is wrong");
+    }
+}
