@@ -1,0 +1,184 @@
+//! Both pipelines on arbitrary scan lines: random, adversarial run lengths, saturated, constant, drifting, and layers of
+//! real stripes with faults. Whatever the bytes, exact stages never differ and bounded ones stay in their bounds.
+//!
+//! `BARLOC_LINES` sets the number of lines (default 1,000,000). A failure prints the shrunk lines.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use reference::camera::Camera;
+use reference::crossing::CrossingRule;
+use reference::landmark::{Format, layers, stripes};
+use std::cell::RefCell;
+use std::fmt;
+use std::thread;
+use verify::bounds::{Class, TABLE};
+use verify::lockstep::{Setting, compare};
+use verify::port::{Cameras, Landmarks};
+use verify::tally::{Frame, Part, Tally};
+
+const WIDTH: usize = 480;
+
+/// A scan line that prints as its runs, `width x level`.
+#[derive(Clone)]
+struct Line(Vec<u8>);
+
+impl fmt::Debug for Line {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let runs = self.0.chunk_by(|one, next| one == next).map(|run| format!("{}x{}", run.len(), run[0]));
+        f.write_str(&runs.collect::<Vec<_>>().join(" "))
+    }
+}
+
+/// A line made of runs of (width, level), repeated until it is full.
+fn of_runs(runs: &[(usize, u8)]) -> Vec<u8> {
+    runs.iter().cycle().flat_map(|&(width, level)| std::iter::repeat_n(level, width)).take(WIDTH).collect()
+}
+
+/// A layer of stripes of `width` px (in quarters of a pixel, averaged over pixels) that begins at `start`, with faults:
+/// pixels that have another value.
+fn of_stripes(bars: &[bool], start: usize, quarters: usize, levels: (u8, u8), faults: &[(usize, u8)]) -> Vec<u8> {
+    let (black, white) = (usize::from(levels.0), usize::from(levels.1));
+    let ink = |quarter: usize| {
+        let stripe = quarter.checked_sub(4 * start).map(|q| q / quarters);
+        stripe.and_then(|stripe| bars.get(stripe)).copied().unwrap_or(false)
+    };
+    let mut line: Vec<u8> = (0..WIDTH)
+        .map(|pixel| {
+            let covered = (4 * pixel..4 * pixel + 4).filter(|&quarter| ink(quarter)).count();
+            u8::try_from((covered * black + (4 - covered) * white) / 4).unwrap_or(u8::MAX)
+        })
+        .collect();
+    for &(pixel, level) in faults {
+        line[pixel] = level;
+    }
+    line
+}
+
+fn arbitrary_runs(widest: usize) -> impl Strategy<Value = Vec<u8>> {
+    vec((1..=widest, any::<u8>()), 1..120).prop_map(|runs| of_runs(&runs))
+}
+
+/// Dark and bright runs of few pixels: what bars look like, and fill every buffer.
+fn bars(widest: usize) -> impl Strategy<Value = Vec<u8>> {
+    (vec(1..=widest, 2..160), 0..60_u8, 130..=255_u8).prop_map(|(widths, dark, bright)| {
+        let runs: Vec<_> =
+            widths.iter().enumerate().map(|(i, &width)| (width, if i % 2 == 0 { bright } else { dark })).collect();
+        of_runs(&runs)
+    })
+}
+
+fn layer() -> impl Strategy<Value = Vec<u8>> {
+    (
+        any::<bool>(),
+        any::<u16>(),
+        1..200_usize,
+        4..60_usize,
+        (0..60_u8, 130..=255_u8),
+        vec((0..WIDTH, any::<u8>()), 0..4),
+    )
+        .prop_map(|(wide, word, start, quarters, levels, faults)| {
+            let format = if wide { Format::Wide } else { Format::Paper };
+            of_stripes(&stripes(format, u32::from(word)), start, quarters, levels, &faults)
+        })
+}
+
+fn drifting() -> impl Strategy<Value = Vec<u8>> {
+    (any::<u8>(), vec(-40..40_i16, WIDTH)).prop_map(|(start, steps)| {
+        let mut level = i16::from(start);
+        let step = |step: &i16| {
+            level = (level + step).clamp(0, 255);
+            u8::try_from(level).unwrap_or(0)
+        };
+        steps.iter().map(step).collect()
+    })
+}
+
+fn scan_line() -> impl Strategy<Value = Vec<u8>> {
+    prop_oneof![
+        3 => vec(any::<u8>(), WIDTH),
+        3 => arbitrary_runs(40),
+        4 => bars(3),
+        4 => bars(24),
+        8 => layer(),
+        2 => vec(prop_oneof![Just(0_u8), Just(255_u8)], WIDTH),
+        2 => drifting(),
+        1 => any::<u8>().prop_map(|level| vec![level; WIDTH]),
+        // Near the threshold everywhere: what the contrast filter is for.
+        2 => vec(100..156_u8, WIDTH),
+    ]
+}
+
+/// Both layers of one payload with faults of their own, the lower one up to 4 px aside.
+fn landmark() -> impl Strategy<Value = [Line; 2]> {
+    let faults = || vec((0..WIDTH, any::<u8>()), 0..3);
+    (any::<bool>(), any::<u32>(), 1..200_usize, 0..5_usize, 5..60_usize, (0..60_u8, 130..=255_u8), [faults(), faults()])
+        .prop_filter_map("both layers are the same", |(wide, payload, start, aside, quarters, levels, faults)| {
+            let format = if wide { Format::Wide } else { Format::Paper };
+            let [upper, lower] = layers(format, payload >> (32 - format.payload_bits())).ok()?;
+            let upper = of_stripes(&upper, start, quarters, levels, &faults[0]);
+            Some([Line(upper), Line(of_stripes(&lower, start + aside, quarters, levels, &faults[1]))])
+        })
+}
+
+/// Two lines: independent, twice the same, or a landmark's.
+fn pair() -> impl Strategy<Value = [Line; 2]> {
+    prop_oneof![
+        2 => [scan_line(), scan_line()].prop_map(|lines| lines.map(Line)),
+        1 => scan_line().prop_map(|line| [Line(line.clone()), Line(line)]),
+        1 => landmark(),
+    ]
+}
+
+fn check(rule: CrossingRule, cases: u32, seed: u8) -> Tally {
+    let cameras = Cameras::new(Camera::epuck()).unwrap();
+    let setting = Setting { cameras, landmarks: Landmarks::both(), rule };
+    let tally = RefCell::new(Tally::default());
+    let config = Config { cases, failure_persistence: None, ..Config::default() };
+    let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[seed; 32]));
+    let outcome = runner.run(&pair(), |[Line(upper), Line(lower)]| {
+        let [reference, port] = setting.run(&upper, &lower);
+        let mut one = Tally::default();
+        let frame = Frame { part: Part::Lines, index: tally.borrow().frames };
+        compare(&setting, frame, &reference, &port, &mut one);
+        let failing = one.failing();
+        if !failing.is_empty() {
+            return Err(TestCaseError::fail(format!("not the same: {failing:?}")));
+        }
+        let sum = tally.take().merged(&one);
+        *tally.borrow_mut() = sum;
+        Ok(())
+    });
+    if let Err(failure) = outcome {
+        panic!("{rule:?}: {failure}");
+    }
+    tally.into_inner()
+}
+
+#[test]
+fn a_million_arbitrary_lines_give_the_same() {
+    let lines: u32 = std::env::var("BARLOC_LINES").map_or(1_000_000, |lines| lines.parse().expect("BARLOC_LINES"));
+    // Two lines a case, a quarter of the cases by the whole-pixel rule, one thread for each core of the smallest machine.
+    let interpolated = lines * 3 / 16;
+    let whole_pixel = lines / 16;
+    let shards: Vec<_> = [0, 1]
+        .map(|seed| {
+            thread::spawn(move || {
+                let tally = check(CrossingRule::Interpolated, interpolated, seed);
+                tally.merged(&check(CrossingRule::WholePixel, whole_pixel, seed))
+            })
+        })
+        .into_iter()
+        .collect();
+    let tally =
+        shards.into_iter().map(|shard| shard.join().unwrap()).fold(Tally::default(), |sum, one| sum.merged(&one));
+    println!("{} line pairs, {} marginal, {} differing", tally.frames, tally.marginal_frames, tally.differing_frames);
+    for row in &TABLE {
+        let stage = tally.stage(row.stage);
+        println!("{}: {} cases, {} marginal", row.name, stage.cases, stage.marginal);
+        assert!(stage.cases > 0, "{} was never compared", row.name);
+        assert!(row.class == Class::Marginal || stage.marginal == 0);
+    }
+    assert!(tally.passes());
+    assert!(1000 * tally.marginal_frames <= tally.frames, "more than 1 in 1,000 marginal");
+}

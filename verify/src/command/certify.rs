@@ -1,0 +1,149 @@
+//! `barloc certify`
+
+use super::{Exit, Failure};
+use crate::campaign::{Campaign, Plan};
+use crate::certificate::{Certificate, Verdict};
+use crate::disturb::Disturbance;
+use crate::renders;
+use crate::summary::summary;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use reference::camera::Camera;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Random scenes by default.
+const DEFAULT_FRAMES: u64 = 20_000;
+
+/// Random scenes of a self-test run: enough for every stage to have cases.
+const SELF_TEST_FRAMES: u64 = 200;
+
+/// A disturbance that the comparison must see, and one that it must not mind, as shares of the bound.
+const BEYOND: f64 = 1.02;
+const WITHIN: f64 = 0.98;
+
+#[derive(Args)]
+#[command(after_help = "Examples:
+  barloc certify                        60 images, the paper's data set, frontal views, 20,000 random scenes
+  barloc certify --frames 100000        more scenes
+  barloc certify --json                 the certificate on standard output
+  barloc certify --self-test            disturb every stage and see that the comparison names it")]
+pub(super) struct Arguments {
+    /// Random scenes to run
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES)]
+    frames: u64,
+    /// Seed of everything random
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Folder for certificate.json
+    #[arg(long, value_name = "DIR", default_value = "target/certify")]
+    out: PathBuf,
+    /// Folder of images with a truth.csv
+    #[arg(long, value_name = "DIR", default_value_os_t = default_renders())]
+    renders: PathBuf,
+    /// Print the certificate instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Disturb each stage of the port slightly beyond its bound and show that the run fails and names it
+    #[arg(long)]
+    self_test: bool,
+}
+
+impl Default for Arguments {
+    fn default() -> Self {
+        Self {
+            frames: DEFAULT_FRAMES,
+            seed: 1,
+            out: PathBuf::from("target/certify"),
+            renders: default_renders(),
+            json: false,
+            self_test: false,
+        }
+    }
+}
+
+/// The images that come with the project: here, or where the command was built.
+fn default_renders() -> PathBuf {
+    let here = PathBuf::from("tests/data/renders");
+    if here.is_dir() { here } else { Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/renders") }
+}
+
+pub(super) fn run(arguments: &Arguments, out: &mut impl Write) -> Result<Exit, Failure> {
+    let renders =
+        renders::load(&arguments.renders, &Camera::epuck()).map_err(|error| Failure::Input(error.to_string()))?;
+    if arguments.self_test {
+        let plan = Plan { frames: SELF_TEST_FRAMES, seed: arguments.seed, renders };
+        return self_test(&plan, out);
+    }
+    let plan = Plan { frames: arguments.frames, seed: arguments.seed, renders };
+    let started = Instant::now();
+    let certificate = certify(&plan);
+    let seconds = started.elapsed().as_secs_f64();
+    let path = write(&certificate, &arguments.out)?;
+    if arguments.json {
+        out.write_all(certificate.to_json().as_bytes())?;
+    } else {
+        write!(out, "{}", summary(&certificate))?;
+        let speed = certificate.frames as f64 / seconds;
+        writeln!(out, "{seconds:.1} s, {speed:.0} frames per second in lockstep; certificate: {}", path.display())?;
+    }
+    Ok(if certificate.verdict == Verdict::Pass { Exit::Success } else { Exit::Different })
+}
+
+fn certify(plan: &Plan) -> Certificate {
+    let bar = ProgressBar::with_draw_target(Some(Campaign::frames(plan)), ProgressDrawTarget::stderr_with_hz(10));
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left") {
+        bar.set_style(style);
+    }
+    let progress = |frames| bar.inc(frames);
+    let (findings, renders) = Campaign::new(plan, None, &progress).run();
+    bar.finish_and_clear();
+    Certificate::new(plan, &findings, &renders)
+}
+
+/// Writes the certificate whole or not at all.
+fn write(certificate: &Certificate, folder: &Path) -> Result<PathBuf, Failure> {
+    let path = folder.join("certificate.json");
+    let unfinished = folder.join("certificate.json.part");
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(&unfinished, certificate.to_json()))
+        .and_then(|()| fs::rename(&unfinished, &path))
+        .map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", path.display())))?;
+    Ok(path)
+}
+
+/// Disturbs one stage at a time: beyond its bound the run must fail and name that stage alone, within it pass.
+fn self_test(plan: &Plan, out: &mut impl Write) -> Result<Exit, Failure> {
+    let run = |fault| {
+        let campaign = Campaign::new(plan, fault, &|_| {});
+        let (renders, _) = campaign.run_renders();
+        let findings = renders.merged(&campaign.run_scenes(0..plan.frames));
+        (findings.tally, campaign.disturbed())
+    };
+    let (undisturbed, _) = run(None);
+    let mut works = undisturbed.passes();
+    writeln!(out, "undisturbed: {}", if works { "passes" } else { "FAILS" })?;
+    for disturbance in Disturbance::ALL {
+        let (tally, disturbed) = run(Some((disturbance, BEYOND)));
+        let named: Vec<&str> = tally.failing().iter().map(|stage| stage.row().name).collect();
+        let caught = disturbed > 0 && !tally.passes() && tally.failing() == [disturbance.stage()];
+        let minded = disturbance.is_scaled() && !run(Some((disturbance, WITHIN))).0.passes();
+        works &= caught && !minded;
+        writeln!(
+            out,
+            "{}: {}: {disturbed} results disturbed, {}{}",
+            disturbance.stage().row().name,
+            disturbance.describe(),
+            if caught { "run fails and names it".to_owned() } else { format!("NOT CAUGHT, run names {named:?}") },
+            match (disturbance.is_scaled(), minded) {
+                (false, _) => "",
+                (true, false) => "; within the bound it passes",
+                (true, true) => "; WITHIN THE BOUND IT FAILS",
+            }
+        )?;
+    }
+    writeln!(out, "{}", if works { "self-test passes" } else { "self-test FAILS" })?;
+    Ok(if works { Exit::Success } else { Exit::Different })
+}

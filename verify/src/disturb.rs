@@ -1,0 +1,197 @@
+//! Disturbances of the port's results, each slightly beyond a bound, to show that the comparison notices.
+
+use crate::bounds::{DECLARED_ERROR, Stage};
+use crate::lockstep::Setting;
+use crate::trace::{HypothesisTrace, Outcome, Trace};
+
+/// A change to the port's trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disturbance {
+    /// The darkest value is one grey level off.
+    Threshold,
+    /// A region begins one pixel later.
+    Regions,
+    /// An ROI ends one pixel later.
+    Hypotheses,
+    /// A crossing is one unit off.
+    Crossings,
+    /// A stripe's middle is off by more than the reference's declared error.
+    Middle,
+    /// A stripe falls in no region although the reference's margin is not small.
+    Decision,
+    /// An ROI that the reference refused for one reason is refused for another.
+    Refusal,
+    /// `a` is off by more than its bound.
+    Centre,
+    /// `s` is off by more than its bound.
+    HalfWidth,
+    /// `k` is off by more than its bound.
+    Obliquity,
+    /// A code bit is wrong.
+    Decode,
+    /// A detection's payload is wrong.
+    Payload,
+    /// A detection is missing.
+    Missing,
+    /// x is off by more than its bound.
+    PoseX,
+    /// y is off by more than its bound.
+    PoseY,
+    /// The heading is off by more than its bound.
+    PoseTheta,
+}
+
+impl Disturbance {
+    /// All of them.
+    pub const ALL: [Self; 16] = [
+        Self::Threshold,
+        Self::Regions,
+        Self::Hypotheses,
+        Self::Crossings,
+        Self::Middle,
+        Self::Decision,
+        Self::Refusal,
+        Self::Centre,
+        Self::HalfWidth,
+        Self::Obliquity,
+        Self::Decode,
+        Self::Payload,
+        Self::Missing,
+        Self::PoseX,
+        Self::PoseY,
+        Self::PoseTheta,
+    ];
+
+    /// The stage whose result it changes.
+    #[must_use]
+    pub fn stage(self) -> Stage {
+        match self {
+            Self::Threshold => Stage::Threshold,
+            Self::Regions => Stage::Regions,
+            Self::Hypotheses => Stage::Hypotheses,
+            Self::Crossings => Stage::Crossings,
+            Self::Middle | Self::Decision | Self::Refusal => Stage::Sampling,
+            Self::Centre => Stage::Centre,
+            Self::HalfWidth => Stage::HalfWidth,
+            Self::Obliquity => Stage::Obliquity,
+            Self::Decode => Stage::Decode,
+            Self::Payload | Self::Missing => Stage::Merge,
+            Self::PoseX => Stage::PoseX,
+            Self::PoseY => Stage::PoseY,
+            Self::PoseTheta => Stage::PoseTheta,
+        }
+    }
+
+    /// What it does, in words.
+    #[must_use]
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Threshold => "darkest value + 1",
+            Self::Regions => "a region begins 1 px later",
+            Self::Hypotheses => "an ROI ends 1 px later",
+            Self::Crossings => "a crossing + 1 unit",
+            Self::Middle => "a stripe's middle beyond the bound",
+            Self::Decision => "a stripe in another region, outside the margin",
+            Self::Refusal => "another refusal",
+            Self::Centre => "centre beyond the bound",
+            Self::HalfWidth => "half width beyond the bound",
+            Self::Obliquity => "obliquity beyond the bound",
+            Self::Decode => "a code bit flipped",
+            Self::Payload => "a payload bit flipped",
+            Self::Missing => "a detection left out",
+            Self::PoseX => "x beyond the bound",
+            Self::PoseY => "y beyond the bound",
+            Self::PoseTheta => "heading beyond the bound",
+        }
+    }
+
+    /// Whether the disturbance is a multiple of a bound, so that one within the bound must pass.
+    #[must_use]
+    pub fn is_scaled(self) -> bool {
+        use Disturbance as D;
+        matches!(self, D::Middle | D::Centre | D::HalfWidth | D::Obliquity | D::PoseX | D::PoseY | D::PoseTheta)
+    }
+
+    /// Changes the port's trace where it can; a scaled disturbance puts the result at `share` times the bound from the
+    /// reference's. False if the frame has nothing to change.
+    pub fn apply(self, setting: &Setting, share: f64, reference: &Trace, port: &mut Trace) -> bool {
+        match self {
+            Self::Threshold => change(port.lines.iter_mut().find_map(|line| line.threshold.as_mut()), |threshold| {
+                threshold.0 = threshold.0.wrapping_add(1);
+            }),
+            Self::Regions => change(port.lines.iter_mut().find_map(|line| line.regions.as_mut()), |(_, firsts)| {
+                firsts.iter_mut().skip(1).take(1).for_each(|first| *first += 1);
+            }),
+            Self::Hypotheses => change(port.hypotheses.first_mut(), |roi| roi.pixels.1 += 1),
+            Self::Crossings => {
+                let roi = port.hypotheses.iter_mut().find(|roi| !roi.crossings.is_empty());
+                change(roi, |roi| roi.crossings[0].1 += 1)
+            }
+            Self::Middle | Self::Decision | Self::Refusal => self.apply_to_sampling(share, reference, port),
+            Self::Centre | Self::HalfWidth | Self::Obliquity | Self::Decode => {
+                self.apply_to_layer(setting, share, reference, port)
+            }
+            Self::Payload => change(port.detections.first_mut(), |found| found.payload ^= 1),
+            Self::Missing => port.detections.pop().is_some(),
+            Self::PoseX | Self::PoseY | Self::PoseTheta => self.apply_to_pose(setting, share, reference, port),
+        }
+    }
+
+    fn apply_to_sampling(self, share: f64, reference: &Trace, port: &mut Trace) -> bool {
+        let mut both = reference.hypotheses.iter().zip(&mut port.hypotheses);
+        match self {
+            Self::Refusal => change(both.find(|(_, p)| is_refused_in_sampling(p)), |(_, p)| {
+                p.outcome = Outcome::Open;
+            }),
+            Self::Decision => {
+                change(both.find(|(r, _)| r.samples.iter().any(|sample| sample.margin > DECLARED_ERROR)), |(r, p)| {
+                    let sample = r.samples.iter().zip(&mut p.samples).find(|(r, _)| r.margin > DECLARED_ERROR);
+                    change(sample, |(_, p)| p.region = p.region.map_or(Some(0), |region| Some(region + 1)));
+                })
+            }
+            _ => change(both.find(|(r, _)| !r.samples.is_empty()), |(r, p)| {
+                p.samples[0].middle = r.samples[0].middle + share * DECLARED_ERROR;
+            }),
+        }
+    }
+
+    fn apply_to_layer(self, setting: &Setting, share: f64, reference: &Trace, port: &mut Trace) -> bool {
+        for (r, p) in reference.hypotheses.iter().zip(&mut port.hypotheses) {
+            let (
+                Outcome::Decoded { homography, .. },
+                Outcome::Decoded { half_word: port_word, homography: port_homography },
+            ) = (&r.outcome, &mut p.outcome)
+            else {
+                continue;
+            };
+            let bound = setting.homography_bounds(r, homography);
+            match self {
+                Self::Centre => port_homography.a = homography.a + share * bound.a,
+                Self::HalfWidth => port_homography.s = homography.s + share * bound.s,
+                Self::Obliquity => port_homography.k = homography.k + share * bound.k,
+                _ => *port_word ^= 1,
+            }
+            return true;
+        }
+        false
+    }
+
+    fn apply_to_pose(self, setting: &Setting, share: f64, reference: &Trace, port: &mut Trace) -> bool {
+        let (Some(r), Some(p)) = (reference.detections.first(), port.detections.first_mut()) else { return false };
+        change(setting.pose_bounds(r), |bound| match self {
+            Self::PoseX => p.pose.x = r.pose.x + share * bound.x,
+            Self::PoseY => p.pose.y = r.pose.y + share * bound.y,
+            _ => p.pose.theta = r.pose.theta + share * bound.theta,
+        })
+    }
+}
+
+/// Whether an ROI was refused after its checks.
+fn is_refused_in_sampling(roi: &HypothesisTrace) -> bool {
+    matches!(roi.outcome, Outcome::Refused(_)) && !roi.samples.is_empty()
+}
+
+/// Changes what is there; false if there is nothing.
+fn change<T>(target: Option<T>, how: impl FnOnce(T)) -> bool {
+    target.map(how).is_some()
+}

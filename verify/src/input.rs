@@ -1,0 +1,153 @@
+//! Images and camera files, with one sentence for everything that can be wrong with them.
+
+use crate::scenes::Lines;
+use core::fmt;
+use image::error::{ImageError, LimitErrorKind};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use reference::camera::{Camera, CameraRefusal};
+use serde::Deserialize;
+use std::fs;
+use std::io::{self, BufReader, Cursor};
+use std::path::Path;
+
+/// What is wrong with a file.
+#[derive(Debug)]
+pub enum InputError {
+    /// It cannot be read.
+    Unreadable(io::Error),
+    /// It is neither PNG nor PGM.
+    NotAnImage,
+    /// It begins like an image, but is none.
+    Broken(String),
+    /// It has more than 8 bits per sample.
+    Depth,
+    /// It is not as large as the camera's images: the image's and the camera's width and height.
+    Size([usize; 2], [usize; 2]),
+    /// It is not the description of a camera.
+    NotACamera(String),
+    /// It describes a camera that is refused.
+    Camera(CameraRefusal),
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable(error) => write!(f, "cannot be read: {error}"),
+            Self::NotAnImage => f.write_str("is neither a PNG nor a PGM image"),
+            Self::Broken(what) => write!(f, "is a broken image: {what}"),
+            Self::Depth => f.write_str("has more than 8 bits per sample; only 8-bit images are read"),
+            Self::Size([width, height], [camera_width, camera_height]) => {
+                write!(f, "is {width} x {height} pixels, the camera's images are {camera_width} x {camera_height}")
+            }
+            Self::NotACamera(what) => write!(f, "does not describe a camera: {what}"),
+            Self::Camera(refusal) => write!(f, "describes no camera that can be used: {refusal}"),
+        }
+    }
+}
+
+impl core::error::Error for InputError {}
+
+/// One line of text, whatever an error from below says.
+fn one_line(error: &impl fmt::Display) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The camera's two scan lines from an 8-bit PNG or PNM image; colour is converted to grey, transparency ignored.
+pub fn scan_lines(path: &Path, camera: &Camera) -> Result<Lines, InputError> {
+    let bytes = fs::read(path).map_err(InputError::Unreadable)?;
+    lines_of_image(&bytes, camera)
+}
+
+/// The camera's two scan lines from the bytes of an image file.
+pub fn lines_of_image(bytes: &[u8], camera: &Camera) -> Result<Lines, InputError> {
+    let reader = ImageReader::new(BufReader::new(Cursor::new(bytes)));
+    let reader = reader.with_guessed_format().map_err(InputError::Unreadable)?;
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Pnm)) {
+        return Err(InputError::NotAnImage);
+    }
+    let decoder = reader.into_decoder().map_err(broken)?;
+    // The size first: a file may claim to be larger than the memory.
+    let (width, height) = decoder.dimensions();
+    let size = [width as usize, height as usize];
+    if size != [camera.width, camera.height] {
+        return Err(InputError::Size(size, [camera.width, camera.height]));
+    }
+    if !matches!(decoder.color_type(), ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8) {
+        return Err(InputError::Depth);
+    }
+    let grey = DynamicImage::from_decoder(decoder).map_err(broken)?.into_luma8();
+    let row = |row: usize| grey.as_raw()[row * camera.width..(row + 1) * camera.width].to_vec();
+    Ok([row(camera.upper_row), row(camera.lower_row)])
+}
+
+/// What the image library could not do.
+fn broken(error: ImageError) -> InputError {
+    match error {
+        ImageError::Limits(limits) if matches!(limits.kind(), LimitErrorKind::InsufficientMemory) => {
+            InputError::Broken("it asks for too much memory".to_owned())
+        }
+        error => InputError::Broken(one_line(&error)),
+    }
+}
+
+/// A camera file. What is left out is the e-puck's, or follows from what is given.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraFile {
+    width_px: Option<usize>,
+    height_px: Option<usize>,
+    focal_length_px: Option<f64>,
+    focal_length_vertical_px: Option<f64>,
+    principal_column_px: Option<f64>,
+    upper_row: Option<usize>,
+    lower_row: Option<usize>,
+}
+
+/// The camera that a TOML file describes (CAM-5 to CAM-7).
+pub fn camera(path: &Path) -> Result<Camera, InputError> {
+    let text = fs::read_to_string(path).map_err(InputError::Unreadable)?;
+    camera_of_toml(&text)
+}
+
+/// The camera that a TOML text describes.
+pub fn camera_of_toml(text: &str) -> Result<Camera, InputError> {
+    let file: CameraFile = toml::from_str(text).map_err(|error| InputError::NotACamera(one_line(&error.message())))?;
+    let epuck = Camera::epuck();
+    let width = file.width_px.unwrap_or(epuck.width);
+    let height = file.height_px.unwrap_or(epuck.height);
+    let camera = Camera {
+        width,
+        height,
+        focal_length: file.focal_length_px.unwrap_or(epuck.focal_length),
+        focal_length_vertical: file.focal_length_vertical_px.unwrap_or(epuck.focal_length_vertical),
+        principal_column: file.principal_column_px.unwrap_or((width as f64 - 1.0) / 2.0),
+        upper_row: file.upper_row.unwrap_or(0),
+        lower_row: file.lower_row.unwrap_or(height.saturating_sub(1)),
+    };
+    camera.checked().map_err(InputError::Camera)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_file_may_leave_out_what_follows() {
+        assert_eq!(camera_of_toml("").unwrap(), Camera::epuck());
+        let found = camera_of_toml("width_px = 320\nheight_px = 16\nfocal_length_px = 400.5").unwrap();
+        assert!((found.principal_column - 159.5).abs() < 1e-12);
+        assert_eq!((found.upper_row, found.lower_row), (0, 15));
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        let error = |text: &str| camera_of_toml(text).unwrap_err().to_string();
+        assert!(error("focal_length_px = 0.0").contains("focal length"));
+        assert!(error("focal_length_px = nan").contains("focal length"));
+        assert!(error("lower_row = 9").contains("rows"));
+        assert!(error("focal_lenght_px = 640.0").contains("focal_lenght_px"));
+        assert!(error("width_px = \"wide\"").contains("string"));
+        assert!(error("width_px = -4").contains("-4"));
+        assert!(!error("= 4\n= 5").contains('\n'));
+    }
+}

@@ -1,0 +1,22 @@
+//! Runs barloc's two pipelines in lockstep, compares them stage by stage, and certifies that they are the same.
+//!
+//! A frame runs through both pipelines, whose observers fill the same form ([`trace`]); [`lockstep`] compares the two
+//! forms by the table in [`bounds`], [`tally`] counts, [`campaign`] runs many frames, [`certificate`] says what was seen.
+
+pub mod bounds;
+pub mod campaign;
+pub mod certificate;
+pub mod command;
+pub mod disturb;
+pub mod findings;
+pub mod input;
+pub mod lockstep;
+pub mod port;
+pub mod record_fixedpoint;
+pub mod record_reference;
+pub mod renders;
+pub mod scenes;
+pub mod sequence;
+pub mod summary;
+pub mod tally;
+pub mod trace;
