@@ -6,15 +6,20 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use reference::camera::Camera;
+use reference::codeword::layers;
 use reference::crossing::CrossingRule;
-use reference::landmark::{Format, layers, stripes};
+use reference::frame::Pose;
+use reference::landmark::{Format, Landmark, stripes};
+use reference::render::{Light, Posted, Scene, Sensor, render};
 use std::cell::RefCell;
 use std::fmt;
 use std::thread;
-use verify::bounds::{Class, TABLE};
+use verify::bounds::{Class, Stage, TABLE};
 use verify::lockstep::{Setting, compare};
 use verify::port::{Cameras, Landmarks};
+use verify::scenes::viewpoint;
 use verify::tally::{Frame, Part, Tally};
 
 const WIDTH: usize = 480;
@@ -153,6 +158,75 @@ fn check(rule: CrossingRule, cases: u32, seed: u8) -> Tally {
         panic!("{rule:?}: {failure}");
     }
     tally.into_inner()
+}
+
+/// A camera within CAM-7 and a view of a landmark by it: distances at which stripes are 1 to 30 px wide.
+fn views_by_any_camera() -> impl Strategy<Value = (Camera, Vec<Landmark>, Scene, u64)> {
+    let camera = (32..=640_usize, 0.5..1.0_f64, 0.0..1.0_f64).prop_map(|(width, length, column)| Camera {
+        width,
+        // From half the width to 2048 px, most of them short.
+        focal_length: width as f64 / 2.0 * (4096.0 / width as f64).powf(2.0 * length - 1.0),
+        principal_column: column * (width as f64 - 1.0),
+        ..Camera::epuck()
+    });
+    let landmark = (any::<bool>(), any::<u32>(), 0.5e-3..20e-3_f64);
+    let view = (1.0..30.0_f64, -1.0..1.0_f64, -0.5..0.5_f64, 0.0..4.0_f64, any::<u64>());
+    (camera, landmark, view).prop_filter_map("no such view", |(camera, landmark, view)| {
+        let (wide, payload, stripe_width) = landmark;
+        let format = if wide { Format::Wide } else { Format::Paper };
+        let payload = payload >> (32 - format.payload_bits());
+        layers(format, payload).ok()?;
+        let camera = camera.checked().ok()?;
+        let (pixels, inclination, place, noise, seed) = view;
+        let distance = camera.focal_length * stripe_width / pixels;
+        // Somewhere in the middle half of the image.
+        let column = (0.5 + place) * camera.width as f64 - camera.principal_column;
+        let bearing = (column / camera.focal_length).atan();
+        let landmark = Landmark { stripe_width, stripe_height: 10.0 * distance, ..Landmark::new(format) };
+        let scene = Scene {
+            camera_in_world: viewpoint(distance, inclination, bearing),
+            landmarks: vec![Posted { landmark_in_world: Pose::new(0.0, 0.0, 0.0), landmark, payload }],
+            clutter: Vec::new(),
+            light: Light::default(),
+            sensor: Sensor { noise, ..Sensor::default() },
+        };
+        let other = if wide { Format::Paper } else { Format::Wide };
+        Some((camera, vec![landmark, Landmark { format: other, ..landmark }], scene, seed))
+    })
+}
+
+/// Sizes, focal lengths and principal columns that the port's formats cannot hold exactly; stripes of any width.
+#[test]
+fn any_camera_and_stripe_width_give_the_same() {
+    let tally = RefCell::new(Tally::default());
+    let config = Config { cases: 40_000, failure_persistence: None, ..Config::default() };
+    let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]));
+    let outcome = runner.run(&views_by_any_camera(), |(camera, landmarks, scene, seed)| {
+        let cameras = Cameras::new(camera).expect("a camera that CAM-7 allows");
+        let landmarks = Landmarks::of(landmarks).expect("a landmark that LAND-7 allows");
+        let setting = Setting { cameras, landmarks, rule: CrossingRule::Interpolated };
+        let [upper, lower] = render(&camera, &scene, &mut ChaCha8Rng::seed_from_u64(seed)).expect("a code word");
+        let [reference, port] = setting.run(&upper, &lower);
+        let mut one = Tally::default();
+        compare(&setting, Frame { part: Part::Lines, index: seed }, &reference, &port, &mut one);
+        let failing: Vec<String> = one.failing().iter().map(|&stage| format!("{:?}", one.stage(stage).worst)).collect();
+        if !failing.is_empty() {
+            return Err(TestCaseError::fail(format!("not the same: {failing:?}")));
+        }
+        let sum = tally.take().merged(&one);
+        *tally.borrow_mut() = sum;
+        Ok(())
+    });
+    if let Err(failure) = outcome {
+        panic!("{failure}");
+    }
+    let tally = tally.into_inner();
+    for row in &TABLE {
+        println!("{}: {} cases, worst {:?}", row.name, tally.stage(row.stage).cases, tally.stage(row.stage).worst);
+    }
+    assert!(tally.passes());
+    let poses = tally.stage(Stage::PoseX).cases;
+    assert!(poses > 5_000, "only {poses} poses were compared");
 }
 
 #[test]

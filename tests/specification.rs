@@ -116,6 +116,19 @@ fn every_requirement_is_cited_where_it_is_implemented() {
     assert!(uncited.is_empty(), "not cited: {uncited:#?}");
 }
 
+/// The sample in the README has a row for every stage, and they pass.
+#[test]
+fn the_readme_shows_the_table_as_it_is() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let sample = readme.split("```text").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let rows: Vec<Vec<&str>> = sample.lines().map(|line| line.split_whitespace().collect()).collect();
+    for row in verify::bounds::TABLE {
+        let shown = rows.iter().find(|words| words.first() == Some(&row.name)).expect(row.name);
+        assert_eq!(shown[1], format!("{:?}", row.class).to_lowercase());
+        assert_eq!(shown.last(), Some(&"pass"));
+    }
+}
+
 /// Both pipelines have the same modules; what only one of them has is listed with its reason.
 #[test]
 fn both_pipelines_have_the_same_modules() {

@@ -1,6 +1,6 @@
 //! Code word and check byte (CODE).
 
-use crate::landmark::Format;
+use crate::landmark::{Format, stripes};
 use crate::refusal::PairRefusal;
 use core::fmt;
 use crc::{CRC_8_AUTOSAR, Crc};
@@ -43,6 +43,12 @@ pub fn encode(format: Format, payload: u32) -> Result<(u32, u32), EncodeRefusal>
     let word = payload << 8 | u32::from(check_byte(format, payload));
     let (upper, lower) = halves(format, word);
     if upper == lower { Err(EncodeRefusal::EqualHalves) } else { Ok((upper, lower)) }
+}
+
+/// The stripes of both layers, upper first, of the landmark that carries `payload` (CODE-4).
+pub fn layers(format: Format, payload: u32) -> Result<[Vec<bool>; 2], EncodeRefusal> {
+    let (upper, lower) = encode(format, payload)?;
+    Ok([stripes(format, upper), stripes(format, lower)])
 }
 
 /// The payload of two half words (CODE-7 before CODE-8, MERGE-3).

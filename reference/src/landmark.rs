@@ -1,6 +1,5 @@
 //! The two landmark formats and a landmark's stripes (LAND).
 
-use crate::codeword::{self, EncodeRefusal};
 use core::fmt;
 
 /// Bar-space pairs of one guard.
@@ -112,12 +111,6 @@ pub fn stripes(format: Format, half_word: u32) -> Vec<bool> {
     let guard = [true, false].repeat(GUARD_PAIRS);
     let code = (0..format.code_stripes()).rev().map(|bit| half_word >> bit & 1 == 1);
     guard.iter().copied().chain(code).chain(guard.iter().rev().copied()).collect()
-}
-
-/// The stripes of both layers, upper first, of the landmark that carries `payload` (CODE-4).
-pub fn layers(format: Format, payload: u32) -> Result<[Vec<bool>; 2], EncodeRefusal> {
-    let (upper, lower) = codeword::encode(format, payload)?;
-    Ok([stripes(format, upper), stripes(format, lower)])
 }
 
 #[cfg(test)]

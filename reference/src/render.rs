@@ -1,9 +1,9 @@
 //! The forward model: the two scan lines of a scene (RENDER).
 
 use crate::camera::Camera;
-use crate::codeword::EncodeRefusal;
+use crate::codeword::{self, EncodeRefusal};
 use crate::frame::{self, Point, Pose, World};
-use crate::landmark::{self, Landmark};
+use crate::landmark::Landmark;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -145,7 +145,7 @@ fn add_landmark(
     posted: &Posted,
     lines: &mut [Vec<f64>; 2],
 ) -> Result<(), EncodeRefusal> {
-    let layers = landmark::layers(posted.landmark.format, posted.payload)?;
+    let layers = codeword::layers(posted.landmark.format, posted.payload)?;
     let pose = posted.landmark_in_world.inverse() * scene.camera_in_world;
     let Some(columns) = visible_edges(camera, &posted.landmark, &pose) else { return Ok(()) };
     let covers = layers.map(|stripes| coverage(camera.width, scene.sensor.blur, &columns, &stripes));

@@ -2,7 +2,7 @@
 
 use crate::bounds::{Class, TABLE};
 use crate::campaign::{Plan, RenderResult};
-use crate::findings::{Both, Findings, PartCount, Rate, SceneRates};
+use crate::findings::{Findings, PartCount, Rate, SceneRates};
 use crate::scenes::{BOXES, FIRST_BARCODE_ROW};
 use crate::tally::{Frame, Part};
 use crate::trace::DetectionTrace;
@@ -373,13 +373,4 @@ fn render_report(result: &RenderResult) -> RenderReport {
         reference: found(&result.detections[0]),
         fixedpoint: found(&result.detections[1]),
     }
-}
-
-/// Sum of the wrong payloads of all parts.
-#[must_use]
-pub fn wrong_payloads(certificate: &Certificate) -> Both {
-    certificate.parts.iter().fold(Both::default(), |sum, part| Both {
-        reference: sum.reference + part.count.wrong_payloads.reference,
-        fixedpoint: sum.fixedpoint + part.count.wrong_payloads.fixedpoint,
-    })
 }

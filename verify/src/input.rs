@@ -139,6 +139,38 @@ mod tests {
         assert_eq!((found.upper_row, found.lower_row), (0, 15));
     }
 
+    proptest::proptest! {
+        /// Whatever the bytes, there is an answer: arbitrary ones, and images with bytes changed.
+        #[test]
+        fn no_bytes_make_it_panic(
+            bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..200),
+            changes in proptest::collection::vec((0..1900_usize, proptest::num::u8::ANY), 1..6),
+            length in 0..1900_usize,
+        ) {
+            let camera = Camera::epuck();
+            let mut image = include_bytes!("../../tests/data/renders/000.png").to_vec();
+            let mut pgm = b"P5 480 8 255 ".to_vec();
+            pgm.extend(&image);
+            for (place, value) in changes {
+                if let Some(byte) = image.get_mut(place) {
+                    *byte = value;
+                }
+                // In the header, mostly.
+                if let Some(byte) = pgm.get_mut(place % 14) {
+                    *byte = value;
+                }
+            }
+            for bytes in [&bytes[..], &image, &image[..length.min(image.len())], &pgm] {
+                if let Err(error) = lines_of_image(bytes, &camera) {
+                    proptest::prop_assert!(!error.to_string().contains('\n'));
+                }
+            }
+            if let Err(error) = camera_of_toml(&String::from_utf8_lossy(&bytes)) {
+                proptest::prop_assert!(!error.to_string().contains('\n'));
+            }
+        }
+    }
+
     #[test]
     fn nonsense_is_named() {
         let error = |text: &str| camera_of_toml(text).unwrap_err().to_string();

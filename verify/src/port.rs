@@ -57,7 +57,12 @@ impl Landmarks {
     /// Landmarks of the default dimensions in the given formats. `None` if the port cannot hold their stripe width.
     #[must_use]
     pub fn new(formats: &[Format]) -> Option<Self> {
-        let reference: Vec<Landmark> = formats.iter().map(|&format| Landmark::new(format)).collect();
+        Self::of(formats.iter().map(|&format| Landmark::new(format)).collect())
+    }
+
+    /// The given landmarks. `None` if the port cannot hold their stripe width (LAND-7).
+    #[must_use]
+    pub fn of(reference: Vec<Landmark>) -> Option<Self> {
         let port: Option<Vec<_>> = reference.iter().map(port_landmark).collect();
         Some(Self { reference, port: port? })
     }

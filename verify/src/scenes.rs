@@ -164,7 +164,7 @@ pub fn frontal_view(seed: u64, index: u64) -> (Cell, Staged) {
     (Cell { row: 0, centimetres }, view(seed, index, payload, centimetres, 0))
 }
 
-/// The space from which random scenes are drawn; each range is covered evenly (README, "What a campaign covers").
+/// The space from which random scenes are drawn; each range is covered evenly.
 pub mod space {
     use core::f64::consts::{FRAC_PI_3, PI};
     use core::ops::Range;

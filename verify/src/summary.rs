@@ -1,7 +1,7 @@
 //! A certificate as a person reads it.
 
 use crate::bounds::Class;
-use crate::certificate::{CellReport, Certificate, FoundReport, RenderReport, wrong_payloads};
+use crate::certificate::{CellReport, Certificate, FoundReport, RenderReport};
 use crate::findings::{Both, Rate};
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use std::collections::BTreeMap;
@@ -15,6 +15,7 @@ pub fn summary(certificate: &Certificate) -> String {
     section(&mut text, "Detection, paper's data set, found of 30 views (reference/fixedpoint)", &paper(certificate));
     section(&mut text, "Detection, frontal, per cent of 300 views", &frontal(certificate));
     section(&mut text, "Random scenes", &scenes(certificate));
+    section(&mut text, "False detections (reference/fixedpoint)", &parts(certificate));
     section(&mut text, "Both pipelines, stage by stage", &stages(certificate));
     section(&mut text, "Checks", &checks(certificate));
     let _ = writeln!(
@@ -144,7 +145,7 @@ fn both(found: Both) -> String {
     format!("{}/{}", found.reference, found.fixedpoint)
 }
 
-/// Rates centimetre by centimetre, ten to a line; runs of lines at 100 % are long, so each line is a decade.
+/// Rates centimetre by centimetre, ten to a line, one line for both pipelines where they found the same.
 fn frontal(certificate: &Certificate) -> String {
     let mut table =
         table(["cm", "rule", "pipeline"].map(str::to_owned).into_iter().chain((0..10).map(|unit| format!("+{unit}"))));
@@ -152,13 +153,12 @@ fn frontal(certificate: &Certificate) -> String {
         [("interpolated", &certificate.detection.frontal), ("whole-pixel", &certificate.detection.frontal_whole_pixel)];
     for decade in (10..=70).step_by(10) {
         for (rule, cells) in rows {
-            for (pipeline, found) in [("reference", 0), ("fixedpoint", 1)] {
-                let rates = (decade..decade + 10).map(|centimetres| {
-                    let cell = cells.iter().find(|cell| cell.distance_cm == centimetres);
-                    cell.map_or_else(String::new, |cell| percent(cell.rate, found))
-                });
+            let cells: Vec<_> = cells.iter().filter(|cell| cell.distance_cm / 10 * 10 == decade).collect();
+            let same = cells.iter().all(|cell| cell.rate.found.reference == cell.rate.found.fixedpoint);
+            let pipelines = if same { &[("both", 0)][..] } else { &[("reference", 0), ("fixedpoint", 1)] };
+            for &(pipeline, found) in pipelines {
                 let name = [decade.to_string(), rule.to_owned(), pipeline.to_owned()];
-                table.add_row(name.into_iter().chain(rates));
+                table.add_row(name.into_iter().chain(cells.iter().map(|cell| percent(cell.rate, found))));
             }
         }
     }
@@ -191,14 +191,26 @@ fn scenes(certificate: &Certificate) -> String {
         "distance x inclination x bearing: {} of {} boxes visited, {} to {} scenes in a box",
         coverage.visited, coverage.boxes, coverage.fewest, coverage.most
     );
-    let refused: u64 = certificate.parts.iter().map(|part| part.count.refused_by_crc.reference).sum();
-    let ambiguous: u64 = certificate.parts.iter().map(|part| part.count.ambiguous.reference).sum();
-    let _ = writeln!(
-        text,
-        "wrong payloads, all parts: {} (reference/fixedpoint); the CRC refused {refused} pairs; if they were random words \
-         it would let {:.1} as many through; ambiguous {ambiguous}",
-        both(wrong_payloads(certificate)),
-        refused as f64 / 255.0
-    );
     text
+}
+
+/// Wrong payloads by part, beside what the CRC alone would let through: 1 in 256 of the words that reach it, if those that
+/// it refuses are random.
+fn parts(certificate: &Certificate) -> String {
+    let header = ["part", "frames", "wrong payloads", "refused by CRC", "by CRC alone", "equal layers", "ambiguous"];
+    let mut table = table(header);
+    for part in &certificate.parts {
+        let count = &part.count;
+        let by_crc_alone = count.refused_by_crc.reference as f64 / 255.0;
+        table.add_row([
+            part.part.to_owned(),
+            count.frames.to_string(),
+            both(count.wrong_payloads),
+            both(count.refused_by_crc),
+            format!("{by_crc_alone:.1}"),
+            both(count.refused_as_equal),
+            both(count.ambiguous),
+        ]);
+    }
+    right_aligned(table, 1)
 }
