@@ -81,8 +81,7 @@ fn pose_bounds_are_at_most_a_twentieth_of_the_standard_deviation() {
                     gradient.dot(&(covariance * gradient)).sqrt()
                 };
                 let trace = HomographyTrace { a: h.a, s: h.s, k: h.k };
-                let layer = bounds::homography(&cameras, h.a.abs() + h.s / 2.0, h.k);
-                let bound = bounds::pose(&cameras, &landmark, &trace, &bounds::merged(&layer, &layer));
+                let bound = bounds::pose_of_detection(&cameras, &landmark, &trace);
                 let shares = [bound.x / sigma(Pose::x), bound.y / sigma(Pose::y), bound.theta / sigma(Pose::theta)];
                 for share in shares {
                     assert!(share <= YARDSTICK, "{format:?} {centimetres} cm {degrees}°: {shares:?}");

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn barloc(arguments: &[&str]) -> Output {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -95,8 +95,8 @@ fn bad_images(folder: &Path) -> Vec<(PathBuf, &'static str)> {
         ("truncated.png", whole[..whole.len() / 2].to_vec(), "broken"),
         ("header.png", whole[..20].to_vec(), "broken"),
         ("deep.pgm", deep, "8 bits"),
-        ("text.png", b"this is not an image".to_vec(), "neither a PNG nor a PGM"),
-        ("empty.png", Vec::new(), "neither a PNG nor a PGM"),
+        ("text.png", b"this is not an image".to_vec(), "neither a PNG nor a PNM"),
+        ("empty.png", Vec::new(), "neither a PNG nor a PNM"),
     ];
     let mut bad: Vec<_> = files
         .into_iter()
@@ -174,7 +174,14 @@ fn bad_usage_is_one_line() {
     fs::write(&file, "").unwrap();
     let inside = file.join("certify");
     let output = barloc(&["certify", "--frames", "10", "--out", inside.to_str().unwrap()]);
+    assert_refused(&output, inside.to_str().unwrap(), "cannot be made a folder");
+    let taken = folder("usage").join("taken");
+    fs::create_dir_all(taken.join("certificate.json")).unwrap();
+    let output = barloc(&["certify", "--frames", "10", "--out", taken.to_str().unwrap()]);
     assert_refused(&output, "certificate.json", "cannot be written");
+    assert_eq!(fs::read_dir(&taken).unwrap().count(), 1);
+    assert_refused(&barloc(&["certify", "--self-test", "--json"]), "barloc", "--json");
+    assert_refused(&barloc(&["detect", "new\nline.png"]), "new\\nline.png", "cannot be read");
 }
 
 #[test]
@@ -207,6 +214,37 @@ fn certify_writes_the_same_bytes_for_the_same_seed() {
     }
     for key in ["stage", "class", "cases", "max", "bound", "marginal", "verdict"] {
         assert!(certificate["stages"].as_array().unwrap().iter().all(|stage| !stage[key].is_null()), "{key}");
+    }
+}
+
+/// A copy of the images with one payload of the table changed: the run must fail, and say so whoever reads it.
+#[test]
+fn a_wrong_truth_fails_the_verdict() {
+    let images = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/renders");
+    let copy = folder("renders");
+    for entry in fs::read_dir(images).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, copy.join(path.file_name().unwrap())).unwrap();
+    }
+    let truth = fs::read_to_string(copy.join("truth.csv")).unwrap();
+    fs::write(copy.join("truth.csv"), truth.replace("16,cc0d,", "16,cc0e,")).unwrap();
+    let (copy, out) = (copy.to_str().unwrap().to_owned(), folder("renders_out"));
+    let arguments = ["certify", "--frames", "10", "--json", "--renders", &copy, "--out", out.to_str().unwrap()];
+    let output = barloc(&arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let certificate: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(certificate["verdict"], "fail");
+    let failing: Vec<_> = certificate["checks"].as_array().unwrap().iter().filter(|c| c["verdict"] == "fail").collect();
+    assert!(failing.len() == 1 && failing[0]["found"] == "59 of 60", "{failing:?}");
+    // A reader that does not wait changes nothing.
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_barloc"));
+    let mut child = command.args(arguments).current_dir(root).stdout(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    for (from, to) in [("16,cc0d,", "16,1cc0d,"), ("16,cc0d,", "16,spam,"), ("0.096565518", "nan")] {
+        fs::write(Path::new(&copy).join("truth.csv"), truth.replace(from, to)).unwrap();
+        assert_refused(&barloc(&["certify", "--renders", &copy]), "truth.csv", "000.png");
     }
 }
 

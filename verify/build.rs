@@ -3,9 +3,20 @@
 use std::path::Path;
 use std::process::Command;
 
+/// What the command is built from and what it reads by itself.
+const SOURCES: [&str; 7] = [
+    "../verify",
+    "../reference",
+    "../fixedpoint",
+    "../Cargo.toml",
+    "../Cargo.lock",
+    "../rust-toolchain.toml",
+    "../tests/data/renders",
+];
+
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    for source in ["src", "../reference", "../fixedpoint", "../Cargo.lock", "../.git/HEAD", "../.git/logs/HEAD"] {
+    for source in SOURCES.iter().chain(&["../.git/HEAD", "../.git/logs/HEAD"]) {
         if Path::new(source).exists() {
             println!("cargo::rerun-if-changed={source}");
         }
@@ -19,8 +30,7 @@ fn main() {
 /// The commit, marked where a pipeline or the comparison has changed since.
 fn commit() -> String {
     let Some(commit) = output("git", &["rev-parse", "HEAD"]) else { return "unknown".to_owned() };
-    let sources = ["status", "--porcelain", "--", "../verify", "../reference", "../fixedpoint", "../Cargo.lock"];
-    match output("git", &sources) {
+    match output("git", &[&["status", "--porcelain", "--"], &SOURCES[..]].concat()) {
         Some(changes) if changes.is_empty() => commit,
         _ => format!("{commit}-modified"),
     }

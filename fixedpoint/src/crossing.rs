@@ -56,7 +56,7 @@ impl Grid {
         Some(Self { twice_middle, subpixel_bits })
     }
 
-    /// `Q`: 2 to 8 for the cameras of `CAM-7`.
+    /// `Q`: 2 to 7 for the cameras of `CAM-7` and the ROIs that `HYPO-11` leaves.
     #[must_use]
     pub fn subpixel_bits(&self) -> u8 {
         self.subpixel_bits

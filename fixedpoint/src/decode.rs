@@ -11,7 +11,7 @@ use crate::regions::Colour;
 use crate::sampling::{self, Stripes};
 
 /// The most layers of one format in one line (`DECODE-2`).
-pub const MOST_LAYERS: usize = 8;
+pub const MAX_LAYERS: usize = 8;
 
 /// A layer that was decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

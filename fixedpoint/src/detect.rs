@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::crossing::{CrossingRule, Scan};
-use crate::decode::{self, DecodedLayer, MOST_LAYERS};
+use crate::decode::{self, DecodedLayer, MAX_LAYERS};
 use crate::hypotheses::{Taken, hypotheses};
 use crate::landmark::{Format, Landmark};
 use crate::merge::{merge, withdraw_ambiguous};
@@ -41,7 +41,7 @@ impl Default for Workspace {
 struct Line {
     threshold: Threshold,
     regions: Regions,
-    layers: Vec<DecodedLayer, MOST_LAYERS, u8>,
+    layers: Vec<DecodedLayer, MAX_LAYERS, u8>,
 }
 
 /// Finds the landmarks in two scan lines (`LINE-1`): see the crate's documentation.

@@ -108,13 +108,14 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// Whether `s > 0` and `|k| <= 1/2` (`HOMOG-3`), that is `S > 0` and `N |K| <= D`.
+    /// Whether `s > 0` and `|k| <= 1/2` (`HOMOG-3`), that is `S > 0` and `N |K| <= D`: exact, so `HOMOG-5` asks
+    /// for nothing here.
     ///
     /// `D` is positive once the guards' transitions are in. Otherwise all of them would fulfil one equation
     /// `c0 + c1 v + c2 v z = 0`: constant columns, or a hyperbola with its pole at `v = 0`, which falls on both sides or
     /// rises on both and is higher on the left. Columns from left to right do not fall, and are not all equal.
     #[must_use]
-    pub fn plausible(&self, format: Format) -> bool {
+    pub fn is_plausible(&self, format: Format) -> bool {
         let obliquity = self.k.unsigned_abs() * u64::from(format.stripes()); // below 2^50
         self.d > 0 && self.s > 0 && obliquity <= self.d.unsigned_abs()
     }

@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::codeword;
-use crate::decode::{DecodedLayer, MOST_LAYERS};
+use crate::decode::{DecodedLayer, MAX_LAYERS};
 use crate::formats::{Column, Obliquity};
 use crate::frame::{self, Pose};
 use crate::homography::Homography;
@@ -33,14 +33,14 @@ pub struct Detection {
 ///
 /// An ROI that was decoded is at least 7 px wide, and ROIs of one format do not overlap, so the first pixels of two of
 /// them differ by at least 8: at most one lower layer begins within 3 px of an upper one.
-pub const MOST_DETECTIONS: usize = 2 * MOST_LAYERS;
+pub const MAX_DETECTIONS: usize = 2 * MAX_LAYERS;
 
 /// Detections in the order of `MERGE-8`.
-pub type Detections = Vec<Detection, MOST_DETECTIONS>;
+pub type Detections = Vec<Detection, MAX_DETECTIONS>;
 
 /// Pairs the layers of one format and adds what they say to the detections (`MERGE-1` to `MERGE-6`).
 ///
-/// Layers come in the order of their seeds. There is room for all pairs (see [`MOST_DETECTIONS`]) if `detections` has
+/// Layers come in the order of their seeds. There is room for all pairs (see [`MAX_DETECTIONS`]) if `detections` has
 /// none of this format yet; a pair without room would be left out, although reported to the observer.
 pub fn merge<O: Observer>(
     upper: &[DecodedLayer],
@@ -90,7 +90,7 @@ fn halfway(x: i32, y: i32) -> i32 {
 /// Removes the detections of different formats whose upper ROIs share a pixel, all of them, and reports what was
 /// removed and what is left (`MERGE-7`, `MERGE-8`).
 pub fn withdraw_ambiguous<O: Observer>(detections: &mut Detections, observer: &mut O) {
-    let mut ambiguous = [false; MOST_DETECTIONS];
+    let mut ambiguous = [false; MAX_DETECTIONS];
     for (flag, detection) in ambiguous.iter_mut().zip(detections.iter()) {
         *flag = detections.iter().any(|other| contradict(detection, other));
     }

@@ -79,15 +79,9 @@ pub enum PairRefusal {
     EqualHalves,
     /// `CODE-8`.
     Crc,
-    /// `MERGE-7`.
-    Ambiguous,
 }
 
-sentences!(PairRefusal {
-    EqualHalves: "both halves of the code word are equal",
-    Crc: "the check byte is wrong",
-    Ambiguous: "landmarks of different formats share a pixel",
-});
+sentences!(PairRefusal { EqualHalves: "both halves of the code word are equal", Crc: "the check byte is wrong" });
 
 /// Why a payload was not encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

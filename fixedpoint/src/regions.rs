@@ -15,12 +15,12 @@ pub enum Colour {
 }
 
 /// The most regions a line may have (`REGION-5`).
-pub const MOST_REGIONS: usize = 255;
+pub const MAX_REGIONS: usize = 255;
 
 /// The regions of a line, numbered from 0 at the left; colours alternate, so the first pixels say it all.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Regions {
-    firsts: Vec<u16, MOST_REGIONS, u8>,
+    firsts: Vec<u16, MAX_REGIONS, u8>,
     first_colour: Colour,
     width: u16,
 }

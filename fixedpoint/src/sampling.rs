@@ -234,7 +234,7 @@ impl<O: Observer> Sampler<'_, O> {
     /// Solves the homography again (`HOMOG-1`, `HOMOG-3`).
     fn solve(&mut self) -> Result<(), HypothesisRefusal> {
         self.solution = self.normal.solve();
-        if self.solution.plausible(self.format) { Ok(()) } else { Err(HypothesisRefusal::Implausible) }
+        if self.solution.is_plausible(self.format) { Ok(()) } else { Err(HypothesisRefusal::Implausible) }
     }
 }
 

@@ -25,7 +25,7 @@ pub struct Crossing {
 /// Fraction bits `Q` of the crossings of an ROI (CROSS-1).
 #[must_use]
 pub fn subpixel_bits(hypothesis: &Hypothesis) -> u32 {
-    (1..=8).rev().find(|&q| (hypothesis.extent() + 1) << q <= 4096).unwrap_or(1)
+    (4096 / (hypothesis.extent() + 1)).max(2).ilog2()
 }
 
 /// Column `z` of the transition between the pixels `i` and `i + 1` of an ROI, in units of `2^-Q` px.

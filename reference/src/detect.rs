@@ -3,14 +3,13 @@
 use crate::camera::Camera;
 use crate::crossing::CrossingRule;
 use crate::decode::{DecodedLayer, MAX_LAYERS, decode};
-use crate::hypotheses::{Hypothesis, check, hypotheses};
+use crate::hypotheses::hypotheses;
 use crate::landmark::{Format, Landmark};
-use crate::merge::{Detection, contradict, merge, pairs};
+use crate::merge::{Detection, merge, withdraw_ambiguous};
 use crate::observer::{Layer, Observer};
-use crate::pose::pose;
-use crate::refusal::{HypothesisRefusal, LineRefusal};
+use crate::refusal::LineRefusal;
 use crate::regions::{Region, regions};
-use crate::sampling::{Roi, sample};
+use crate::sampling::Roi;
 use crate::threshold::{Threshold, threshold};
 
 /// A line whose first two stages succeeded.
@@ -19,12 +18,6 @@ struct Segmented<'a> {
     line: &'a [u8],
     threshold: Threshold,
     regions: Vec<Region>,
-}
-
-/// What does not change within a call.
-struct Search<'a> {
-    camera: &'a Camera,
-    rule: CrossingRule,
 }
 
 /// The landmarks in two scan lines, looked for in the formats of `landmarks` (LINE-1 to LINE-4, MERGE-8). A format that
@@ -37,19 +30,20 @@ pub fn detect<O: Observer>(
     rule: CrossingRule,
     observer: &mut O,
 ) -> Vec<Detection> {
-    let search = Search { camera, rule };
     let upper = segment(Layer::Upper, upper, camera, observer);
     let lower = segment(Layer::Lower, lower, camera, observer);
-    let mut found = Vec::new();
+    let mut detections = Vec::new();
     let mut asked: Vec<Format> = Vec::new();
     for landmark in landmarks {
         if !asked.contains(&landmark.format) {
             asked.push(landmark.format);
-            let layers = [&upper, &lower].map(|line| search.layers(line.as_ref(), landmark.format, observer));
-            search.merge(&layers, landmark, &mut found, observer);
+            let mut search =
+                |line: &Option<Segmented<'_>>| layers(line.as_ref(), landmark.format, camera, rule, observer);
+            let (above, below) = (search(&upper), search(&lower));
+            merge(&above, &below, camera, landmark, &mut detections, observer);
         }
     }
-    without_ambiguous(&found, observer)
+    withdraw_ambiguous(&detections, observer)
 }
 
 fn segment<'a, O: Observer>(layer: Layer, line: &'a [u8], camera: &Camera, observer: &mut O) -> Option<Segmented<'a>> {
@@ -73,76 +67,98 @@ fn try_segment<'a, O: Observer>(
     Ok(Segmented { layer, line, threshold, regions })
 }
 
-impl Search<'_> {
-    /// All decoded ROIs of a line in one format (DECODE-2, MERGE-6).
-    fn layers<O: Observer>(&self, line: Option<&Segmented<'_>>, format: Format, observer: &mut O) -> Vec<DecodedLayer> {
-        let Some(line) = line else { return Vec::new() };
-        let mut layers = Vec::new();
-        for hypothesis in hypotheses(&line.regions, format) {
-            observer.hypothesis(line.layer, format, &hypothesis);
-            match self.layer(line, &hypothesis, format, observer) {
-                Err(refusal) => observer.refused(refusal),
-                Ok(_) if layers.len() == MAX_LAYERS => {
-                    observer.line_refused(line.layer, LineRefusal::TooManyLayers);
-                    return Vec::new();
-                }
-                Ok(layer) => {
-                    observer.decoded(&layer);
-                    layers.push(layer);
-                }
+/// All decoded ROIs of a line in one format; none if they are too many (DECODE-2).
+fn layers<O: Observer>(
+    line: Option<&Segmented<'_>>,
+    format: Format,
+    camera: &Camera,
+    rule: CrossingRule,
+    observer: &mut O,
+) -> Vec<DecodedLayer> {
+    let Some(Segmented { layer, line, threshold, regions }) = line else { return Vec::new() };
+    let mut layers = Vec::new();
+    for hypothesis in hypotheses(regions, format) {
+        observer.hypothesis(*layer, format, &hypothesis);
+        let roi = Roi { line, threshold, regions, hypothesis: &hypothesis, format, rule };
+        match decode(&roi, camera, observer) {
+            Err(refusal) => observer.refused(refusal),
+            Ok(_) if layers.len() == MAX_LAYERS => {
+                observer.line_refused(*layer, LineRefusal::TooManyLayers);
+                return Vec::new();
             }
-        }
-        layers
-    }
-
-    fn layer<O: Observer>(
-        &self,
-        line: &Segmented<'_>,
-        hypothesis: &Hypothesis,
-        format: Format,
-        observer: &mut O,
-    ) -> Result<DecodedLayer, HypothesisRefusal> {
-        check(hypothesis, &line.regions, format)?;
-        let Segmented { line, threshold, regions, .. } = line;
-        let roi = Roi { line, threshold, regions, hypothesis, format, rule: self.rule };
-        let stripes = sample(&roi, observer)?;
-        let homography = stripes.homography.shifted(hypothesis.middle() - self.camera.principal_column);
-        Ok(DecodedLayer { hypothesis: *hypothesis, half_word: decode(format, &stripes.colours), homography })
-    }
-
-    /// Detections of all pairs of layers (MERGE-1, MERGE-5).
-    fn merge<O: Observer>(
-        &self,
-        [upper_layers, lower_layers]: &[Vec<DecodedLayer>; 2],
-        landmark: &Landmark,
-        found: &mut Vec<Detection>,
-        observer: &mut O,
-    ) {
-        let format = landmark.format;
-        for upper in upper_layers {
-            for lower in lower_layers.iter().filter(|lower| pairs(upper, lower)) {
-                let merged = merge(format, upper, lower);
-                observer.pair(format, upper, lower, merged.map(|(payload, _)| payload));
-                if let Ok((payload, homography)) = merged {
-                    let camera_in_landmark = pose(&homography, self.camera, landmark);
-                    let (upper, lower) = (*upper, *lower);
-                    found.push(Detection { format, payload, upper, lower, homography, camera_in_landmark });
-                }
+            Ok(decoded) => {
+                observer.decoded(&decoded);
+                layers.push(decoded);
             }
         }
     }
+    layers
 }
 
-/// MERGE-7
-fn without_ambiguous<O: Observer>(found: &[Detection], observer: &mut O) -> Vec<Detection> {
-    let mut kept = Vec::new();
-    for detection in found {
-        if found.iter().any(|other| contradict(detection, other)) {
-            observer.ambiguous(detection);
-        } else {
-            observer.detection(detection);
-            kept.push(*detection);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codeword;
+    use crate::observer::Silent;
+
+    /// Two white lines with landmarks whose stripes are 1.5 px wide; half a pixel of black is 128, which is white.
+    fn lines(landmarks: &[(u32, usize)]) -> [Vec<u8>; 2] {
+        let mut lines = [vec![255_u8; 480], vec![255_u8; 480]];
+        for &(payload, first) in landmarks {
+            let layers = codeword::layers(Format::Paper, payload).unwrap();
+            for (line, stripes) in lines.iter_mut().zip(layers) {
+                for half in (0..3 * stripes.len()).filter(|half| stripes[half / 3]) {
+                    let pixel = &mut line[first + half / 2];
+                    *pixel = if *pixel == 255 { 128 } else { 0 };
+                }
+            }
+        }
+        lines
+    }
+
+    fn payloads([upper, lower]: &[Vec<u8>; 2], landmarks: &[Landmark]) -> Vec<u32> {
+        let found = detect(upper, lower, &Camera::epuck(), landmarks, CrossingRule::Interpolated, &mut Silent);
+        found.iter().map(|detection| detection.payload).collect()
+    }
+
+    const PAPER: [Format; 1] = [Format::Paper];
+
+    /// Bars of 1.5 px are seeds of 1 px, which reach 50 px: barcodes of 30 px may be 22 px apart.
+    #[test]
+    fn eight_layers_are_read_and_nine_are_too_many() {
+        let row = |count: u32| (0..count).map(|i| (0x1234 + i, 10 + 52 * i as usize)).collect::<Vec<_>>();
+        let paper = PAPER.map(Landmark::new);
+        assert_eq!(payloads(&lines(&row(8)), &paper), (0x1234..0x123C).collect::<Vec<u32>>());
+        assert_eq!(payloads(&lines(&row(9)), &paper), []);
+    }
+
+    #[test]
+    fn a_line_of_another_width_or_colour_does_not_change_the_other() {
+        #[derive(Default)]
+        struct Heard(Vec<(Layer, Option<LineRefusal>)>);
+        impl Observer for Heard {
+            fn line_refused(&mut self, layer: Layer, refusal: LineRefusal) {
+                self.0.push((layer, Some(refusal)));
+            }
+            fn decoded(&mut self, _: &DecodedLayer) {
+                self.0.push((Layer::Lower, None));
+            }
+        }
+        let [upper, lower] = lines(&[(0x1234, 100)]);
+        let paper = PAPER.map(Landmark::new);
+        for (bad, refusal) in [(&upper[1..], LineRefusal::Width), (&[9; 480], LineRefusal::LowContrast)] {
+            let mut heard = Heard::default();
+            let rule = CrossingRule::Interpolated;
+            assert_eq!(detect(bad, &lower, &Camera::epuck(), &paper, rule, &mut heard), []);
+            assert_eq!(heard.0, [(Layer::Upper, Some(refusal)), (Layer::Lower, None)]);
         }
     }
-    kept
+
+    #[test]
+    fn a_format_that_is_asked_for_twice_is_searched_once() {
+        let lines = lines(&[(0x1234, 100)]);
+        let twice = [Format::Paper, Format::Wide, Format::Paper].map(Landmark::new);
+        assert_eq!(payloads(&lines, &twice), [0x1234]);
+        assert_eq!(payloads(&lines, &[]), []);
+    }
 }

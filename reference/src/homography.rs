@@ -31,7 +31,7 @@ impl Homography {
         self.a + self.s * t - self.k * t * z - z
     }
 
-    /// HOMOG-3; a value within `error` of a limit counts as on it.
+    /// HOMOG-3; a `|k|` within `error` of the limit counts as on it (HOMOG-5).
     #[must_use]
     pub fn is_plausible(&self, error: f64) -> bool {
         self.s > 0.0 && self.k.abs() <= MAX_OBLIQUITY + error
@@ -131,6 +131,13 @@ mod tests {
         for t in [-1.0, -0.35, 0.0, 0.8] {
             assert!((h.shifted(100.5).column(t) - h.column(t) - 100.5).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn the_margin_is_the_distance_from_the_nearer_limit() {
+        let margin = |s, k| Homography { a: 0.0, s, k }.margin();
+        assert!((margin(30.0, 0.4) - 0.1).abs() < 1e-15 && (margin(30.0, -0.6) - 0.1).abs() < 1e-15);
+        assert!((margin(-0.01, 0.2) - 0.01).abs() < 1e-15);
     }
 
     #[test]

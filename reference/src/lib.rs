@@ -2,8 +2,8 @@
 //! barcode landmark, and the forward model that draws such scan lines.
 //!
 //! `SPEC.md` beside this crate is the text; its requirements are cited by name (`THRESH-2`) where they are implemented.
-//! The crate `fixedpoint` implements the same text in integers, under the same module and function names, and shares no
-//! code with this one.
+//! The crate `fixedpoint` implements the same text in integers, with the same modules and a function of the same name for
+//! every stage, and shares no code with this one.
 //!
 //! ```
 //! use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
@@ -32,12 +32,14 @@
 //! # Ok::<(), reference::codeword::EncodeRefusal>(())
 //! ```
 
+pub mod area;
 pub mod camera;
 pub mod codeword;
 pub mod crossing;
 pub mod decode;
 pub mod detect;
 pub mod frame;
+pub mod grid;
 pub mod homography;
 pub mod hypotheses;
 pub mod landmark;
@@ -47,6 +49,7 @@ pub mod pose;
 pub mod range;
 pub mod refusal;
 pub mod regions;
+pub mod regression;
 pub mod render;
 pub mod sampling;
 pub mod threshold;

@@ -9,28 +9,60 @@ pub const MIN_STRIPE_PIXELS: f64 = 1.5;
 
 /// The farthest distance, in metres, at which the narrowest stripe is `min_stripe_pixels` wide (RANGE-1, ERRATA-2).
 ///
-/// The camera looks at the barcode's centre from the direction `inclination`, in radians, so that the edge `b` has the
-/// depth `d - b sin θ`. The farthest stripe is the narrowest, and by (2) `f X d cos θ` over its two edges' depths wide.
-/// With `s = |sin θ|`, `X = X_dim` and its width set to `L_min` that is the quadratic
-/// `d² - p d + s² X² N (N - 2)/4 = 0` with `p = f X cos θ / L_min - s X (N - 1)`. Between its roots the stripe is
-/// wider than `L_min`; the larger one is the range. Where it has no positive root no distance will do: 0.
+/// The camera looks at the barcode's centre from the direction `inclination`, in radians. Where no distance will do: 0.
 #[must_use]
 pub fn stripe_width_range(camera: &Camera, landmark: &Landmark, inclination: f64, min_stripe_pixels: f64) -> f64 {
-    let (stripes, width) = (landmark.format.stripes() as f64, landmark.stripe_width);
-    let sine = inclination.sin().abs();
-    let sum = camera.focal_length * width * inclination.cos() / min_stripe_pixels - sine * width * (stripes - 1.0);
-    let discriminant = sum * sum - (sine * width).powi(2) * stripes * (stripes - 2.0);
-    if sum > 0.0 && discriminant >= 0.0 { f64::midpoint(sum, discriminant.sqrt()) } else { 0.0 }
+    stripe_width_range_along(camera, landmark, inclination, inclination, min_stripe_pixels)
 }
 
-/// The farthest distance, in metres, at which an image that ends with its scan lines sees nothing but stripes (RANGE-2).
+/// The farthest distance, in metres, at which no stripe is narrower than `min_stripe_pixels` (AREA-3); 0 if there is none.
 ///
-/// `Q_y/2` rows are `D Q_y/(2 f_y)` high at the depth `D` and leave a layer `h/2` high at `D = h f_y/Q_y`; seen from the
-/// direction `inclination`, in radians, the barcode's far end is `N X_dim |sin θ|/2` deeper than its centre (ERRATA-3).
+/// The camera stands at the distance `d` from the barcode's centre in the direction `φ` and is inclined by `θ`, both in
+/// radians from the wall's normal. The centre has the depth `e = d cos(φ - θ)` and the edge `b` the depth `e - b sin θ`;
+/// the farthest stripe is the narrowest, and by (2) `f X d cos φ` over its two edges' depths wide. With `s = |sin θ|`,
+/// `X = X_dim` and its width set to `L_min` that is the quadratic `e² - p e + s² X² N (N - 2)/4 = 0` with
+/// `p = f X cos φ / (L_min cos(φ - θ)) - s X (N - 1)`. Between its roots the stripe is wider than `L_min`; the larger one
+/// is the range. The smaller one bounds nothing: it is below `s X N/2`, where the near end is not in front of the camera.
+#[must_use]
+pub fn stripe_width_range_along(
+    camera: &Camera,
+    landmark: &Landmark,
+    inclination: f64,
+    direction: f64,
+    min_stripe_pixels: f64,
+) -> f64 {
+    let (stripes, width) = (landmark.format.stripes() as f64, landmark.stripe_width);
+    let (sine, foreshortening) = (inclination.sin().abs(), (direction - inclination).cos());
+    let magnified = camera.focal_length * width * direction.cos() / (min_stripe_pixels * foreshortening);
+    let sum = magnified - sine * width * (stripes - 1.0);
+    let discriminant = sum * sum - (sine * width).powi(2) * stripes * (stripes - 2.0);
+    if foreshortening > 0.0 && sum > 0.0 && discriminant >= 0.0 {
+        f64::midpoint(sum, discriminant.sqrt()) / foreshortening
+    } else {
+        0.0
+    }
+}
+
+/// The greatest depth, in metres, at which both scan lines see nothing but stripes of their layer: `h f_y/(2 q)` for a
+/// row that ends `q` rows from the axis, the farther of both, and 0 if a row does not lie on its layer's side of the axis.
+///
+/// `q` rows are `D q/f_y` high at the depth `D` and leave a layer, `h/2` high, where that is `h/2` (ERRATA-3).
+#[must_use]
+pub fn scan_line_depth(camera: &Camera, landmark: &Landmark) -> f64 {
+    let middle = camera.height as f64 / 2.0;
+    let (upper_begins, lower_begins) = (middle - camera.upper_row as f64 - 1.0, camera.lower_row as f64 - middle);
+    let ends = upper_begins.max(lower_begins) + 1.0;
+    let on_their_side = upper_begins >= 0.0 && lower_begins >= 0.0;
+    if on_their_side { landmark.stripe_height * camera.focal_length_vertical / ends } else { 0.0 }
+}
+
+/// The farthest distance, in metres, at which both scan lines see nothing but stripes of their layer (RANGE-2); not
+/// above 0 if there is none.
+///
+/// Seen from the direction `inclination`, in radians, the barcode's far end is `N X_dim |sin θ|/2` deeper than its centre.
 #[must_use]
 pub fn scan_line_range(camera: &Camera, landmark: &Landmark, inclination: f64) -> f64 {
-    let both_layers = 2.0 * landmark.stripe_height;
-    both_layers * camera.focal_length_vertical / camera.height as f64 - landmark.half_width() * inclination.sin().abs()
+    scan_line_depth(camera, landmark) - landmark.half_width() * inclination.sin().abs()
 }
 
 /// The distance, in metres, from which one of the scan lines sees nothing of its layer at 0° (RANGE-4).
@@ -89,6 +121,20 @@ mod tests {
                 assert!((by_line - line).abs() <= 0.05, "scan line {by_line} against {line}");
             }
         }
+    }
+
+    /// Rows 2 and 5 of 8 end 2 rows from the axis, half as far as rows 0 and 7: twice the 50 cm. Row 1 ends 3 rows from it.
+    #[test]
+    fn the_scan_line_that_ends_farther_from_the_axis_counts() {
+        let epuck = Camera::epuck();
+        let depth = |upper_row, lower_row| scan_line_depth(&Camera { upper_row, lower_row, ..epuck }, &paper());
+        assert!((depth(0, 7) - 0.5).abs() < 1e-12 && (depth(2, 5) - 1.0).abs() < 1e-12);
+        assert!((depth(1, 5) - 2.0 / 3.0).abs() < 1e-12 && (depth(2, 6) - 2.0 / 3.0).abs() < 1e-12);
+        // Rows 0 and 3 both lie above the axis.
+        assert!(depth(0, 3).abs() < 1e-15);
+        // Row 1 of 3 lies astride it.
+        let astride = Camera { height: 3, upper_row: 0, lower_row: 1, ..epuck };
+        assert!(scan_line_depth(&astride, &paper()).abs() < 1e-15);
     }
 
     #[test]

@@ -45,8 +45,6 @@ pub enum PairRefusal {
     EqualHalves,
     /// CODE-8
     Crc,
-    /// MERGE-7
-    Ambiguous,
 }
 
 impl fmt::Display for LineRefusal {
@@ -81,7 +79,6 @@ impl fmt::Display for PairRefusal {
         f.write_str(match self {
             Self::EqualHalves => "both layers are the same",
             Self::Crc => "the check byte is wrong",
-            Self::Ambiguous => "it decodes in two formats",
         })
     }
 }

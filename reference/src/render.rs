@@ -276,7 +276,7 @@ fn blurred_ramp(t: f64, blur: f64) -> f64 {
         return t.max(0.0);
     }
     let z = t / blur;
-    // libm's functions rather than the platform's: the same bytes everywhere (RENDER-6).
+    // The standard library has no error function.
     t * 0.5 * libm::erfc(-z * FRAC_1_SQRT_2) + blur * libm::exp(-0.5 * z * z) / TAU.sqrt()
 }
 

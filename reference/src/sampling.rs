@@ -12,10 +12,11 @@ use crate::threshold::Threshold;
 /// Declared error of the float64 arithmetic up to a stripe's middle, pixels, and up to `k` (SAMPLE-4).
 ///
 /// The normal matrix is summed from at most 25 rows of entries within ±1 and factored, with a backward error below 30 u
-/// times its trace, at most 75, u = 2^-53. Its smallest eigenvalue is at least that of the guards alone, 0.13 in a frontal
-/// view: the solution is good to 2250 u/0.13 = 2e-12 of half the ROI's extent, so columns to 1e-9 px in the widest line.
-/// `verify` compares every middle with the port's, which is exact.
-pub const DECLARED_ERROR: f64 = 1.0 / (1 << 30) as f64;
+/// times its trace, at most 75, u = 2^-53. Its smallest eigenvalue is at least that of the guards alone, which is 0.13 in a
+/// frontal view and 0.039 for the worst columns that grow from the left guard to the right one. So the solution is good to
+/// 2250 u/0.039 = 6.4e-12 of half the ROI's extent, at most 320 px, and a column, a sum of three such terms over
+/// 1 + k t >= 1/2, to 1.3e-8 px. `verify` compares every middle with the port's, which is exact.
+pub const DECLARED_ERROR: f64 = 1.0 / (1 << 26) as f64;
 
 /// One sampled stripe.
 #[derive(Clone, Copy, Debug, PartialEq)]

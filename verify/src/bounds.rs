@@ -182,6 +182,17 @@ pub fn pose(cameras: &Cameras, landmark: &Landmark, h: &HomographyTrace, error: 
     }
 }
 
+/// Bounds on the pose of a detection, whose layers have about its own homography.
+///
+/// A layer's shift, the ROI's middle less the principal column, follows from it: the barcode's ends are imaged at the ROI's
+/// ends `m ± e/2`, `(a ± s)/(1 ± k)`, so `m = (a - s k)/(1 - k²)`. The transitions' residuals move it by less than a pixel.
+#[must_use]
+pub fn pose_of_detection(cameras: &Cameras, landmark: &Landmark, h: &HomographyTrace) -> PoseTrace {
+    let shift = (h.a - h.s * h.k).abs() / (1.0 - h.k * h.k) + 1.0;
+    let layer = homography(cameras, shift, h.k);
+    pose(cameras, landmark, h, &merged(&layer, &layer))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

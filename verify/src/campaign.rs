@@ -1,11 +1,11 @@
 //! A campaign: both pipelines over images, the paper's data set, frontal views and random scenes.
 
 use crate::disturb::Disturbance;
-use crate::findings::{Findings, view};
+use crate::findings::{Findings, view, view_of_nothing};
 use crate::lockstep::{Setting, compare};
 use crate::port::{Cameras, Landmarks};
 use crate::renders::Render;
-use crate::scenes::{self, Cell, Scenes, Staged};
+use crate::scenes::{self, Cell, Kind, Scenes, Staged};
 use crate::tally::{Frame, Part};
 use crate::trace::{DetectionTrace, Trace};
 use core::sync::atomic::{AtomicU64, Ordering};
@@ -80,7 +80,8 @@ impl<'a> Campaign<'a> {
     /// Frames of a whole campaign.
     #[must_use]
     pub fn frames(plan: &Plan) -> u64 {
-        plan.renders.len() as u64 + scenes::paper_frames() + 2 * scenes::frontal_frames() + plan.frames
+        let views = plan.renders.len() as u64 + scenes::paper_frames() + 2 * scenes::frontal_frames();
+        views.saturating_add(plan.frames)
     }
 
     /// Frames in which the fault found something to change.
@@ -152,10 +153,12 @@ impl<'a> Campaign<'a> {
             let truth = scene.staged.truth();
             findings.add_frame(Part::Scenes, &truth, &traces);
             *findings.boxes.entry(scene.cell).or_default() += 1;
-            if let Some(&landmark) = truth.first() {
-                let rates = &mut findings.scenes;
-                let rate = if scene.in_range { &mut rates.in_range } else { &mut rates.out_of_range };
-                rate.add(view(landmark, &traces));
+            let rates = &mut findings.scenes;
+            match (scene.kind, truth.first()) {
+                (Kind::Bars, _) => rates.without_landmark.bars.add(view_of_nothing(&traces)),
+                (_, None) => rates.without_landmark.blank.add(view_of_nothing(&traces)),
+                (_, Some(&landmark)) if scene.in_range => rates.in_range.add(view(landmark, &traces)),
+                (_, Some(&landmark)) => rates.out_of_range.add(view(landmark, &traces)),
             }
         })
     }

@@ -305,7 +305,13 @@ fn checks(findings: &Findings, renders: &[RenderResult]) -> Vec<Check> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "66.7 cm")]
     let blind_cm = (blind * 100.0).ceil() as u32;
     let beyond: u64 = frontal(blind_cm..=u32::MAX).map(|(_, rate)| rate.found.reference + rate.found.fixedpoint).sum();
+    let (marginal, frames) = (findings.tally.marginal_frames, findings.tally.frames);
     vec![
+        Check {
+            check: "SAME-4: at most 1 frame in 1,000 is marginal",
+            found: format!("{marginal} of {frames}, {} decided differently", findings.tally.differing_frames),
+            verdict: Verdict::of(marginal.saturating_mul(1000) <= frames),
+        },
         Check {
             check: "renders: both pipelines find what is on every image, and nothing else",
             found: format!("{right} of {}", renders.len()),

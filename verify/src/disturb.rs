@@ -2,7 +2,8 @@
 
 use crate::bounds::{DECLARED_ERROR, Stage};
 use crate::lockstep::Setting;
-use crate::trace::{HypothesisTrace, Outcome, Trace};
+use crate::trace::{Outcome, Trace};
+use reference::refusal::HypothesisRefusal;
 
 /// A change to the port's trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,10 +18,12 @@ pub enum Disturbance {
     Crossings,
     /// A stripe's middle is off by more than the reference's declared error.
     Middle,
-    /// A stripe falls in no region although the reference's margin is not small.
+    /// A stripe falls in another region although the reference's margin is not small.
     Decision,
-    /// An ROI that the reference refused for one reason is refused for another.
+    /// An ROI is refused that the reference decodes.
     Refusal,
+    /// The largest difference of residuals is off by more than the reference's declared error.
+    Residual,
     /// `a` is off by more than its bound.
     Centre,
     /// `s` is off by more than its bound.
@@ -43,7 +46,7 @@ pub enum Disturbance {
 
 impl Disturbance {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Threshold,
         Self::Regions,
         Self::Hypotheses,
@@ -51,6 +54,7 @@ impl Disturbance {
         Self::Middle,
         Self::Decision,
         Self::Refusal,
+        Self::Residual,
         Self::Centre,
         Self::HalfWidth,
         Self::Obliquity,
@@ -70,7 +74,7 @@ impl Disturbance {
             Self::Regions => Stage::Regions,
             Self::Hypotheses => Stage::Hypotheses,
             Self::Crossings => Stage::Crossings,
-            Self::Middle | Self::Decision | Self::Refusal => Stage::Sampling,
+            Self::Middle | Self::Decision | Self::Refusal | Self::Residual => Stage::Sampling,
             Self::Centre => Stage::Centre,
             Self::HalfWidth => Stage::HalfWidth,
             Self::Obliquity => Stage::Obliquity,
@@ -92,7 +96,8 @@ impl Disturbance {
             Self::Crossings => "a crossing + 1 unit",
             Self::Middle => "a stripe's middle beyond the bound",
             Self::Decision => "a stripe in another region, outside the margin",
-            Self::Refusal => "another refusal",
+            Self::Refusal => "a decoded ROI refused",
+            Self::Residual => "a difference of residuals beyond the bound",
             Self::Centre => "centre beyond the bound",
             Self::HalfWidth => "half width beyond the bound",
             Self::Obliquity => "obliquity beyond the bound",
@@ -109,7 +114,10 @@ impl Disturbance {
     #[must_use]
     pub fn is_scaled(self) -> bool {
         use Disturbance as D;
-        matches!(self, D::Middle | D::Centre | D::HalfWidth | D::Obliquity | D::PoseX | D::PoseY | D::PoseTheta)
+        matches!(
+            self,
+            D::Middle | D::Residual | D::Centre | D::HalfWidth | D::Obliquity | D::PoseX | D::PoseY | D::PoseTheta
+        )
     }
 
     /// Changes the port's trace where it can; a scaled disturbance puts the result at `share` times the bound from the
@@ -127,7 +135,9 @@ impl Disturbance {
                 let roi = port.hypotheses.iter_mut().find(|roi| !roi.crossings.is_empty());
                 change(roi, |roi| roi.crossings[0].1 += 1)
             }
-            Self::Middle | Self::Decision | Self::Refusal => self.apply_to_sampling(share, reference, port),
+            Self::Middle | Self::Decision | Self::Refusal | Self::Residual => {
+                self.apply_to_sampling(share, reference, port)
+            }
             Self::Centre | Self::HalfWidth | Self::Obliquity | Self::Decode => {
                 self.apply_to_layer(setting, share, reference, port)
             }
@@ -140,9 +150,13 @@ impl Disturbance {
     fn apply_to_sampling(self, share: f64, reference: &Trace, port: &mut Trace) -> bool {
         let mut both = reference.hypotheses.iter().zip(&mut port.hypotheses);
         match self {
-            Self::Refusal => change(both.find(|(_, p)| is_refused_in_sampling(p)), |(_, p)| {
-                p.outcome = Outcome::Open;
+            Self::Refusal => change(both.find(|(_, p)| matches!(p.outcome, Outcome::Decoded { .. })), |(_, p)| {
+                p.outcome = Outcome::Refused(HypothesisRefusal::Residual);
             }),
+            Self::Residual => {
+                let residuals = both.find_map(|(r, p)| Some((r.residual?, p.residual.as_mut()?)));
+                change(residuals, |(r, p)| p.difference = r.difference + share * DECLARED_ERROR)
+            }
             Self::Decision => {
                 change(both.find(|(r, _)| r.samples.iter().any(|sample| sample.margin > DECLARED_ERROR)), |(r, p)| {
                     let sample = r.samples.iter().zip(&mut p.samples).find(|(r, _)| r.margin > DECLARED_ERROR);
@@ -184,11 +198,6 @@ impl Disturbance {
             _ => p.pose.theta = r.pose.theta + share * bound.theta,
         })
     }
-}
-
-/// Whether an ROI was refused after its checks.
-fn is_refused_in_sampling(roi: &HypothesisTrace) -> bool {
-    matches!(roi.outcome, Outcome::Refused(_)) && !roi.samples.is_empty()
 }
 
 /// Changes what is there; false if there is nothing.

@@ -78,6 +78,17 @@ pub struct SceneRates {
     pub in_range: Rate,
     /// Not so.
     pub out_of_range: Rate,
+    /// Scenes without a landmark: blank walls and rows of bars.
+    pub without_landmark: Phantoms,
+}
+
+/// Scenes in which there is nothing to be found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Phantoms {
+    /// Blank walls, with or without dark things.
+    pub blank: Rate,
+    /// Rows of bars.
+    pub bars: Rate,
 }
 
 /// Everything that a campaign found.
@@ -108,6 +119,8 @@ impl Findings {
         }
         self.scenes.in_range.add(other.scenes.in_range);
         self.scenes.out_of_range.add(other.scenes.out_of_range);
+        self.scenes.without_landmark.blank.add(other.scenes.without_landmark.blank);
+        self.scenes.without_landmark.bars.add(other.scenes.without_landmark.bars);
         for (place, count) in &other.boxes {
             *self.boxes.entry(*place).or_default() += count;
         }
@@ -131,6 +144,12 @@ impl Findings {
 /// Format and payload of a trace's detections.
 fn found(trace: &Trace) -> impl Iterator<Item = (Format, u32)> {
     trace.detections.iter().map(|detection| (detection.format, detection.payload))
+}
+
+/// One view of nothing: found is what was found all the same.
+#[must_use]
+pub fn view_of_nothing(traces: &[Trace; 2]) -> Rate {
+    Rate { views: 1, found: Both::count(traces, |trace| usize::from(!trace.detections.is_empty())) }
 }
 
 /// One view of a landmark.

@@ -7,8 +7,11 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use reference::camera::{Camera, CameraRefusal};
 use serde::Deserialize;
 use std::fs;
-use std::io::{self, BufReader, Cursor};
+use std::io::{self, BufReader, Cursor, Read};
 use std::path::Path;
+
+/// Longest image file that is read: 640 x 4096 pixels of 4 bytes are 10 MiB.
+const LONGEST: u64 = 32 << 20;
 
 /// What is wrong with a file.
 #[derive(Debug)]
@@ -17,6 +20,8 @@ pub enum InputError {
     Unreadable(io::Error),
     /// It is neither PNG nor PGM.
     NotAnImage,
+    /// It is longer than any image of two scan lines need be.
+    TooLong,
     /// It begins like an image, but is none.
     Broken(String),
     /// It has more than 8 bits per sample.
@@ -24,28 +29,72 @@ pub enum InputError {
     /// It is not as large as the camera's images: the image's and the camera's width and height.
     Size([usize; 2], [usize; 2]),
     /// It is not the description of a camera.
-    NotACamera(String),
+    NotACamera(Place, String),
     /// It describes a camera that is refused.
-    Camera(CameraRefusal),
+    Camera(Place, CameraRefusal),
 }
 
 impl fmt::Display for InputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable(error) => write!(f, "cannot be read: {error}"),
-            Self::NotAnImage => f.write_str("is neither a PNG nor a PGM image"),
+            Self::NotAnImage => f.write_str("is neither a PNG nor a PNM (PGM, PPM, PBM, PAM) image"),
+            Self::TooLong => write!(f, "is longer than {LONGEST} bytes"),
             Self::Broken(what) => write!(f, "is a broken image: {what}"),
             Self::Depth => f.write_str("has more than 8 bits per sample; only 8-bit images are read"),
             Self::Size([width, height], [camera_width, camera_height]) => {
                 write!(f, "is {width} x {height} pixels, the camera's images are {camera_width} x {camera_height}")
             }
-            Self::NotACamera(what) => write!(f, "does not describe a camera: {what}"),
-            Self::Camera(refusal) => write!(f, "describes no camera that can be used: {refusal}"),
+            Self::NotACamera(place, what) => write!(f, "{place}does not describe a camera: {what}"),
+            Self::Camera(place, refusal) => write!(f, "{place}describes no camera that can be used: {refusal}"),
         }
     }
 }
 
 impl core::error::Error for InputError {}
+
+/// The line of a text file, counted from 1, and the key on it, as far as they are known.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    line: Option<usize>,
+    key: Option<String>,
+}
+
+impl Place {
+    /// The line that holds a byte of the text, and its key.
+    fn of_byte(text: &str, byte: usize) -> Self {
+        let line = text.bytes().take(byte).filter(|&byte| byte == b'\n').count();
+        let key = text.lines().nth(line).and_then(|line| line.split_once('=')).map(|(key, _)| key.trim().to_owned());
+        Self { line: Some(line + 1), key: key.filter(|key| !key.is_empty()) }
+    }
+
+    /// The line that sets a key; of a key that is left out there is only its name.
+    fn of_key(text: &str, key: &str) -> Self {
+        let sets = |line: &str| line.split_once('=').is_some_and(|(name, _)| name.trim() == key);
+        Self { line: text.lines().position(sets).map(|line| line + 1), key: Some(key.to_owned()) }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}: ")?;
+        }
+        self.key.iter().try_for_each(|key| write!(f, "{key}: "))
+    }
+}
+
+/// The key of a camera file that a refusal is about.
+fn key_of(refusal: CameraRefusal) -> &'static str {
+    match refusal {
+        CameraRefusal::Width => "width_px",
+        CameraRefusal::Height => "height_px",
+        CameraRefusal::FocalLength => "focal_length_px",
+        CameraRefusal::FocalLengthVertical => "focal_length_vertical_px",
+        CameraRefusal::PrincipalColumn => "principal_column_px",
+        CameraRefusal::Rows => "lower_row",
+    }
+}
 
 /// One line of text, whatever an error from below says.
 fn one_line(error: &impl fmt::Display) -> String {
@@ -54,7 +103,13 @@ fn one_line(error: &impl fmt::Display) -> String {
 
 /// The camera's two scan lines from an 8-bit PNG or PNM image; colour is converted to grey, transparency ignored.
 pub fn scan_lines(path: &Path, camera: &Camera) -> Result<Lines, InputError> {
-    let bytes = fs::read(path).map_err(InputError::Unreadable)?;
+    let mut bytes = Vec::new();
+    // A device may have no end.
+    let file = fs::File::open(path).map_err(InputError::Unreadable)?;
+    file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(InputError::Unreadable)?;
+    if bytes.len() as u64 > LONGEST {
+        return Err(InputError::TooLong);
+    }
     lines_of_image(&bytes, camera)
 }
 
@@ -111,7 +166,10 @@ pub fn camera(path: &Path) -> Result<Camera, InputError> {
 
 /// The camera that a TOML text describes.
 pub fn camera_of_toml(text: &str) -> Result<Camera, InputError> {
-    let file: CameraFile = toml::from_str(text).map_err(|error| InputError::NotACamera(one_line(&error.message())))?;
+    let file: CameraFile = toml::from_str(text).map_err(|error| {
+        let place = error.span().map_or_else(Place::default, |span| Place::of_byte(text, span.start));
+        InputError::NotACamera(place, one_line(&error.message()))
+    })?;
     let epuck = Camera::epuck();
     let width = file.width_px.unwrap_or(epuck.width);
     let height = file.height_px.unwrap_or(epuck.height);
@@ -124,7 +182,7 @@ pub fn camera_of_toml(text: &str) -> Result<Camera, InputError> {
         upper_row: file.upper_row.unwrap_or(0),
         lower_row: file.lower_row.unwrap_or(height.saturating_sub(1)),
     };
-    camera.checked().map_err(InputError::Camera)
+    camera.checked().map_err(|refusal| InputError::Camera(Place::of_key(text, key_of(refusal)), refusal))
 }
 
 #[cfg(test)]
@@ -181,5 +239,17 @@ mod tests {
         assert!(error("width_px = \"wide\"").contains("string"));
         assert!(error("width_px = -4").contains("-4"));
         assert!(!error("= 4\n= 5").contains('\n'));
+    }
+
+    #[test]
+    fn line_and_key_are_named() {
+        let error = |text: &str| camera_of_toml(text).unwrap_err().to_string();
+        let begins = |text: &str, place: &str| assert!(error(text).starts_with(place), "{}", error(text));
+        begins("width_px = 480\n\nfocal_length_px = -1.0\n", "line 3: focal_length_px: ");
+        begins("width_px = 480\nlength = 4", "line 2: length: ");
+        begins("# a camera\nheight_px = \"eight\"", "line 2: height_px: ");
+        begins("width_px = 480\nheight_px = ", "line 2: height_px: ");
+        begins("principal_column_px = 1e9", "line 1: principal_column_px: ");
+        begins("height_px = 1", "line 1: height_px: ");
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::bounds::{self, DECLARED_ERROR, Stage};
 use crate::port::{Cameras, Landmarks, port_rule};
-use crate::record_fixedpoint::RecordFixedpoint;
-use crate::record_reference::RecordReference;
+use crate::record_fixedpoint::{self, RecordFixedpoint};
+use crate::record_reference::{self, RecordReference};
 use crate::tally::{Frame, Tally};
-use crate::trace::{DetectionTrace, HomographyTrace, HypothesisTrace, Outcome, SampleTrace, Trace};
+use crate::trace::{DetectionTrace, HomographyTrace, HypothesisTrace, Outcome, PoseTrace, SampleTrace, Trace};
 use fixedpoint::detect::Workspace;
 use reference::crossing::CrossingRule;
 use reference::frame::wrap;
@@ -35,7 +35,12 @@ impl Setting {
         let mut record = RecordReference::default();
         let (camera, landmarks) = (&self.cameras.reference, &self.landmarks.reference);
         let returned = reference::detect::detect(upper, lower, camera, landmarks, self.rule, &mut record);
-        debug_assert_eq!(returned.len(), record.trace.detections.len());
+        // What counts is what the caller is given; the observer must have heard the same.
+        let heard = std::mem::replace(
+            &mut record.trace.detections,
+            returned.iter().map(record_reference::detection_trace).collect(),
+        );
+        record.trace.heard_is_returned = heard == record.trace.detections;
         record.trace
     }
 
@@ -47,7 +52,11 @@ impl Setting {
         let mut workspace = Workspace::new();
         let rule = port_rule(self.rule);
         let returned = fixedpoint::detect::detect(upper, lower, camera, landmarks, rule, &mut workspace, &mut record);
-        debug_assert_eq!(returned.len(), record.trace.detections.len());
+        let heard = std::mem::replace(
+            &mut record.trace.detections,
+            returned.iter().map(record_fixedpoint::detection_trace).collect(),
+        );
+        record.trace.heard_is_returned = heard == record.trace.detections;
         record.trace
     }
 
@@ -62,14 +71,11 @@ impl Setting {
         bounds::homography(&self.cameras, middle - self.cameras.reference.principal_column, h.k)
     }
 
-    /// Bounds on a detection's pose. The shift of either layer is at most half the line.
+    /// Bounds on a detection's pose.
     #[must_use]
-    pub fn pose_bounds(&self, detection: &DetectionTrace) -> Option<crate::trace::PoseTrace> {
+    pub fn pose_bounds(&self, detection: &DetectionTrace) -> Option<PoseTrace> {
         let landmark = self.landmark(detection.format)?;
-        // The barcode's centre is imaged at most half an extent from the ROI's middle.
-        let h = &detection.homography;
-        let layer = bounds::homography(&self.cameras, h.a.abs() + h.s.abs() / 2.0, h.k);
-        Some(bounds::pose(&self.cameras, landmark, h, &bounds::merged(&layer, &layer)))
+        Some(bounds::pose_of_detection(&self.cameras, landmark, &detection.homography))
     }
 }
 
@@ -144,6 +150,9 @@ impl Comparison<'_> {
                 return;
             }
         }
+        // What one side does not report cannot be compared, and is not the same.
+        self.exact(Stage::Sampling, r.samples.len() == p.samples.len());
+        self.exact(Stage::Sampling, r.residual.is_some() == p.residual.is_some());
         if let (Some(r), Some(p)) = (r.residual, p.residual) {
             self.bounded(Stage::Sampling, r.difference - p.difference, DECLARED_ERROR);
         }
@@ -186,8 +195,12 @@ impl Comparison<'_> {
         let found = |d: &DetectionTrace| (d.format, d.payload, d.half_words);
         let same = reference.detections.iter().map(found).eq(port.detections.iter().map(found));
         self.exact(Stage::Merge, same);
+        self.exact(Stage::Merge, reference.heard_is_returned && port.heard_is_returned);
         for (r, p) in reference.detections.iter().zip(&port.detections) {
-            let Some(bound) = self.setting.pose_bounds(r) else { continue };
+            let Some(bound) = self.setting.pose_bounds(r) else {
+                self.exact(Stage::Merge, false);
+                continue;
+            };
             self.bounded(Stage::PoseX, r.pose.x - p.pose.x, bound.x);
             self.bounded(Stage::PoseY, r.pose.y - p.pose.y, bound.y);
             self.bounded(Stage::PoseTheta, wrap(r.pose.theta - p.pose.theta), bound.theta);
@@ -201,5 +214,146 @@ fn same_end(one: &Outcome, other: &Outcome) -> bool {
         (Outcome::Refused(one), Outcome::Refused(other)) => one == other,
         (Outcome::Open, Outcome::Open) | (Outcome::Decoded { .. }, Outcome::Decoded { .. }) => true,
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::disturb::Disturbance;
+    use crate::tally::Part;
+    use crate::trace::{PairTrace, ResidualTrace};
+    use reference::camera::Camera;
+    use reference::observer::Layer;
+    use reference::refusal::{HypothesisRefusal, LineRefusal, PairRefusal};
+
+    const FRAME: Frame = Frame { part: Part::Lines, index: 0 };
+
+    fn setting() -> Setting {
+        let cameras = Cameras::new(Camera::epuck()).unwrap();
+        Setting { cameras, landmarks: Landmarks::both(), rule: CrossingRule::Interpolated }
+    }
+
+    /// Both traces of an ideal landmark with stripes of 4 px at pixel 100, beside a bar that is too few.
+    fn traces() -> [Trace; 2] {
+        let lines = reference::codeword::layers(Format::Paper, 0xcc0d).unwrap().map(|stripes| {
+            let mut line = vec![255_u8; 480];
+            for (j, _) in stripes.iter().enumerate().filter(|(_, bar)| **bar) {
+                line[100 + 4 * j..104 + 4 * j].fill(0);
+            }
+            line[400..403].fill(0);
+            line
+        });
+        setting().run(&lines[0], &lines[1])
+    }
+
+    fn tally_of(change: impl FnOnce(&mut Trace, &mut Trace)) -> Tally {
+        let [mut reference, mut port] = traces();
+        change(&mut reference, &mut port);
+        let mut tally = Tally::default();
+        compare(&setting(), FRAME, &reference, &port, &mut tally);
+        tally
+    }
+
+    fn failing(change: impl FnOnce(&mut Trace)) -> Vec<Stage> {
+        tally_of(|_, port| change(port)).failing()
+    }
+
+    /// The decoded ROI of the upper line.
+    fn decoded(trace: &mut Trace) -> &mut HypothesisTrace {
+        trace.hypotheses.iter_mut().find(|roi| matches!(roi.outcome, Outcome::Decoded { .. })).unwrap()
+    }
+
+    #[test]
+    fn equal_traces_pass_every_stage() {
+        let tally = tally_of(|_, _| ());
+        assert!(tally.passes());
+        assert_eq!((tally.frames, tally.marginal_frames, tally.differing_frames), (1, 0, 0));
+    }
+
+    #[test]
+    fn every_disturbance_is_named() {
+        for disturbance in Disturbance::ALL {
+            let tally = tally_of(|reference, port| {
+                assert!(disturbance.apply(&setting(), 1.02, reference, port), "{disturbance:?} had nothing to change");
+            });
+            assert_eq!(tally.failing(), [disturbance.stage()], "{disturbance:?}");
+        }
+    }
+
+    #[test]
+    fn what_one_side_leaves_out_is_not_the_same() {
+        assert_eq!(failing(|port| port.lines[0].refusal = Some(LineRefusal::LowContrast)), [Stage::Regions]);
+        assert_eq!(failing(|port| drop(port.hypotheses.pop())), [Stage::Hypotheses]);
+        assert_eq!(failing(|port| port.hypotheses[0].regions.1 += 2), [Stage::Hypotheses]);
+        assert_eq!(failing(|port| decoded(port).samples.truncate(19)), [Stage::Sampling]);
+        assert_eq!(failing(|port| decoded(port).residual = None), [Stage::Sampling]);
+        assert_eq!(failing(|port| decoded(port).crossings.truncate(8)), [Stage::Crossings]);
+        assert_eq!(failing(|port| port.crowded.push((Layer::Upper, LineRefusal::TooManyLayers))), [Stage::Merge]);
+        assert_eq!(failing(|port| port.ambiguous.push((Format::Wide, 1))), [Stage::Merge]);
+        assert_eq!(failing(|port| port.heard_is_returned = false), [Stage::Merge]);
+        let pair = PairTrace { format: Format::Paper, first_pixels: (1, 1), result: Err(PairRefusal::Crc) };
+        assert_eq!(failing(|port| port.pairs.push(pair)), [Stage::Merge]);
+    }
+
+    #[test]
+    fn a_residual_is_compared() {
+        let shift = |by: f64| {
+            failing(|port| {
+                let residual = decoded(port).residual.as_mut().unwrap();
+                residual.difference += by;
+            })
+        };
+        assert_eq!(shift(0.9 * DECLARED_ERROR), []);
+        assert_eq!(shift(1.1 * DECLARED_ERROR), [Stage::Sampling]);
+    }
+
+    #[test]
+    fn another_reason_is_another_result() {
+        let checked = |port: &mut Trace| {
+            let roi = port.hypotheses.iter_mut().find(|roi| roi.samples.is_empty()).unwrap();
+            assert_eq!(roi.outcome, Outcome::Refused(HypothesisRefusal::TooFewBars));
+            roi.outcome = Outcome::Refused(HypothesisRefusal::CutOff);
+        };
+        assert_eq!(failing(checked), [Stage::Hypotheses]);
+    }
+
+    /// A decision may differ where the reference's margin is below its declared error, and is counted there.
+    #[test]
+    fn only_a_marginal_decision_may_differ() {
+        let end = |margin: f64, note: fn(&mut HypothesisTrace, f64)| {
+            tally_of(|reference, port| {
+                note(decoded(reference), margin);
+                decoded(port).outcome = Outcome::Refused(HypothesisRefusal::Residual);
+            })
+        };
+        let notes: [fn(&mut HypothesisTrace, f64); 2] = [
+            |roi, margin| roi.plausibility_margin = margin,
+            |roi, margin| {
+                let difference = roi.residual.unwrap().difference;
+                roi.residual = Some(ResidualTrace { difference, margin });
+            },
+        ];
+        for note in notes {
+            let marginal = end(0.0, note);
+            assert_eq!(marginal.failing(), []);
+            assert_eq!((marginal.marginal_frames, marginal.differing_frames), (1, 1));
+            assert_eq!(marginal.stage(Stage::Sampling).marginal, 1);
+            let clear = end(2.0 * DECLARED_ERROR, note);
+            assert_eq!(clear.failing(), [Stage::Sampling]);
+            assert_eq!((clear.marginal_frames, clear.differing_frames), (0, 0));
+        }
+    }
+
+    #[test]
+    fn a_marginal_sample_is_counted_whether_it_differs_or_not() {
+        for (differs, region) in [(0, Some(1)), (1, None)] {
+            let tally = tally_of(|reference, port| {
+                decoded(reference).samples[0].margin = 0.0;
+                decoded(port).samples[0].region = region;
+            });
+            assert_eq!(tally.failing(), []);
+            assert_eq!((tally.marginal_frames, tally.differing_frames), (1, differs));
+        }
     }
 }

@@ -95,7 +95,6 @@ fn pair_refusal(refusal: fixedpoint::refusal::PairRefusal) -> PairRefusal {
     match refusal {
         Port::EqualHalves => PairRefusal::EqualHalves,
         Port::Crc => PairRefusal::Crc,
-        Port::Ambiguous => PairRefusal::Ambiguous,
     }
 }
 

@@ -61,7 +61,9 @@ impl Truth {
         let format = Format::ALL.into_iter().find(|format| format.payload_bits() == self.payload_bits);
         let format = format.ok_or_else(|| format!("{} has payload_bits {}", self.file, self.payload_bits))?;
         let payload = u32::from_str_radix(&self.payload_hex, 16)
-            .map_err(|_| format!("{} has payload_hex {:?}", self.file, self.payload_hex))?;
+            .ok()
+            .filter(|payload| u64::from(*payload) >> format.payload_bits() == 0)
+            .ok_or_else(|| format!("{} has payload_hex {:?}", self.file, self.payload_hex))?;
         Ok(Some((format, payload)))
     }
 }
@@ -78,6 +80,9 @@ pub fn load(folder: &Path, camera: &Camera) -> Result<Vec<Render>, RendersError>
         let path = folder.join(&truth.file);
         let lines = scan_lines(&path, camera).map_err(|error| RendersError::Image(path, error))?;
         let pose = [truth.camera_x_m, truth.camera_y_m, truth.camera_theta_rad];
+        if pose.iter().any(|value| !value.is_finite()) {
+            return Err(wrong(format!("{} has a pose that is not a number", truth.file)));
+        }
         renders.push(Render { file: truth.file, landmark, pose, lines });
     }
     if renders.is_empty() { Err(wrong("lists no images".to_owned())) } else { Ok(renders) }

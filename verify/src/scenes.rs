@@ -44,14 +44,16 @@ impl Staged {
 }
 
 /// The generator of one frame: a stream of its own for every index.
-fn generator(seed: u64, index: u64) -> ChaCha8Rng {
+#[must_use]
+pub fn generator(seed: u64, index: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(index);
     rng
 }
 
 /// A payload that has a code word.
-fn payload<R: Rng>(format: Format, rng: &mut R) -> u32 {
+#[must_use]
+pub fn payload<R: Rng>(format: Format, rng: &mut R) -> u32 {
     loop {
         let candidate = rng.random_range(0..1_u32 << format.payload_bits());
         if codeword::encode(format, candidate).is_ok() {
@@ -104,7 +106,8 @@ pub struct Cell {
 ///
 /// The paper does not say how its 30 views of a pose differ: here the heading is up to 0.1 rad off the barcode (less where
 /// it would leave the image), the inclination is to either side, and the noise is new.
-fn view(seed: u64, index: u64, payload: u32, centimetres: u32, degrees: u32) -> Staged {
+#[must_use]
+pub fn view(seed: u64, index: u64, payload: u32, centimetres: u32, degrees: u32) -> Staged {
     let mut rng = generator(seed, index);
     let distance = f64::from(centimetres) / 100.0;
     let bearing = rng.random_range(-0.1..0.1) * (distance / 0.2).min(1.0);

@@ -3,6 +3,7 @@
 use crate::bounds::Class;
 use crate::certificate::{CellReport, Certificate, FoundReport, RenderReport};
 use crate::findings::{Both, Rate};
+use crate::scenes::{FRONTAL_VIEWS, PAPER_VIEWS};
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -11,9 +12,13 @@ use std::fmt::Write;
 #[must_use]
 pub fn summary(certificate: &Certificate) -> String {
     let mut text = String::new();
-    section(&mut text, "Images not drawn by this project (tests/data/renders)", &renders(certificate));
-    section(&mut text, "Detection, paper's data set, found of 30 views (reference/fixedpoint)", &paper(certificate));
-    section(&mut text, "Detection, frontal, per cent of 300 views", &frontal(certificate));
+    section(&mut text, "Images with known truth", &renders(certificate));
+    section(
+        &mut text,
+        &format!("Detection, paper's data set, found of {PAPER_VIEWS} views (reference/fixedpoint)"),
+        &paper(certificate),
+    );
+    section(&mut text, &format!("Detection, frontal, per cent of {FRONTAL_VIEWS} views"), &frontal(certificate));
     section(&mut text, "Random scenes", &scenes(certificate));
     section(&mut text, "False detections (reference/fixedpoint)", &parts(certificate));
     section(&mut text, "Both pipelines, stage by stage", &stages(certificate));
@@ -167,16 +172,22 @@ fn frontal(certificate: &Certificate) -> String {
 
 fn percent(rate: Rate, pipeline: usize) -> String {
     let found = if pipeline == 0 { rate.found.reference } else { rate.found.fixedpoint };
-    let percent = 100.0 * found as f64 / rate.views.max(1) as f64;
+    if rate.views == 0 {
+        return "-".to_owned();
+    }
+    let percent = 100.0 * found as f64 / rate.views as f64;
     if found == rate.views { "100".to_owned() } else { format!("{percent:.1}") }
 }
 
 fn scenes(certificate: &Certificate) -> String {
     let rates = certificate.detection.scenes;
     let mut text = String::new();
-    for (name, rate) in
-        [("first landmark in range", rates.in_range), ("first landmark out of range or cut off", rates.out_of_range)]
-    {
+    for (name, rate) in [
+        ("first landmark in range", rates.in_range),
+        ("first landmark out of range or cut off", rates.out_of_range),
+        ("blank walls with dark things: a landmark", rates.without_landmark.blank),
+        ("rows of bars: a landmark", rates.without_landmark.bars),
+    ] {
         let _ = writeln!(
             text,
             "{name}: found in {} % by the reference, {} % by the port, of {}",

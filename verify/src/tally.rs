@@ -1,7 +1,7 @@
 //! Counts of what was compared. Merging tallies is associative and commutative, so that the order in which frames are
 //! run leaves no trace.
 
-use crate::bounds::{Class, Stage, TABLE};
+use crate::bounds::{Stage, TABLE};
 use std::collections::BTreeMap;
 
 /// Parts of a campaign.
@@ -182,12 +182,6 @@ impl Tally {
     }
 }
 
-/// The class of a stage.
-#[must_use]
-pub fn class(stage: Stage) -> Class {
-    stage.row().class
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,19 +210,25 @@ mod tests {
 
     #[test]
     fn merging_does_not_depend_on_the_order() {
-        let tallies: Vec<Tally> = [(3, 0.5, 1.0), (1, 0.9, 1.0), (2, 0.9, 1.0), (0, 2.0, 1.0), (9, 0.1, 0.1)]
+        let cases = [(3, 0.5, 1.0), (1, 0.9, 1.0), (4, 2.0, 1.0), (2, 0.9, 1.0), (0, 2.0, 1.0), (9, 0.1, 0.1)];
+        let tallies: Vec<Tally> = cases
             .iter()
             .map(|&(index, difference, bound)| {
-                let mut tally = Tally { frames: 1, ..Tally::default() };
+                let mut tally = Tally { frames: 1, marginal_frames: 2, differing_frames: 3, ..Tally::default() };
                 tally.bounded(Stage::Centre, frame(index), difference, bound);
-                tally.exact(Stage::Merge, frame(index), index != 2);
+                tally.exact(Stage::Merge, frame(index), index % 2 == 0);
+                tally.marginal(Stage::Sampling);
                 tally
             })
             .collect();
         let forwards = tallies.iter().fold(Tally::default(), Tally::merged);
         let backwards = tallies.iter().rev().fold(Tally::default(), Tally::merged);
         assert_eq!(forwards, backwards);
+        // Of equal shares the earlier frame.
         assert_eq!(forwards.stage(Stage::Centre).worst.map(|case| case.frame), Some(frame(0)));
-        assert_eq!((forwards.frames, forwards.stage(Stage::Merge).failures), (5, 1));
+        let merge = forwards.stage(Stage::Merge);
+        assert_eq!((merge.cases, merge.failures, merge.first_failure), (6, 3, Some(frame(1))));
+        assert_eq!((forwards.frames, forwards.marginal_frames, forwards.differing_frames), (6, 12, 18));
+        assert_eq!(forwards.stage(Stage::Sampling).marginal, 6);
     }
 }

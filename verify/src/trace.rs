@@ -7,7 +7,7 @@ use reference::observer::Layer;
 use reference::refusal::{HypothesisRefusal, LineRefusal, PairRefusal};
 
 /// Everything that a pipeline reported about one frame.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// Upper and lower scan line.
     pub lines: [LineTrace; 2],
@@ -21,6 +21,22 @@ pub struct Trace {
     pub detections: Vec<DetectionTrace>,
     /// Detections withdrawn by MERGE-7.
     pub ambiguous: Vec<(Format, u32)>,
+    /// Whether the observer heard of just the detections that the detector returned.
+    pub heard_is_returned: bool,
+}
+
+impl Default for Trace {
+    fn default() -> Self {
+        Self {
+            lines: Default::default(),
+            hypotheses: Vec::new(),
+            crowded: Vec::new(),
+            pairs: Vec::new(),
+            detections: Vec::new(),
+            ambiguous: Vec::new(),
+            heard_is_returned: true,
+        }
+    }
 }
 
 /// The first two stages on one line.

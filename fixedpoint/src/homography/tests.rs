@@ -47,7 +47,7 @@ fn assert_in_range(solution: &Solution) {
         for stripe in 0..format.stripes() {
             let (numerator, denominator) = solution.middle(stripe, format);
             assert!(log(numerator) <= 60.8);
-            if solution.plausible(format) {
+            if solution.is_plausible(format) {
                 assert!(denominator >= solution.d && log(denominator) <= 49.0);
             }
         }
@@ -69,20 +69,20 @@ fn an_obliquity_of_one_half_is_plausible_and_no_more() {
     // z (1 + v/20) = 3 v: k is 10/20 for 20 stripes and 12/20 for 24.
     let points = [(-10, -60), (-4, -15), (0, 0), (5, 12), (10, 20)];
     let solution = assert_exact(&points);
-    assert!(solution.plausible(Format::Paper) && !solution.plausible(Format::Wide));
+    assert!(solution.is_plausible(Format::Paper) && !solution.is_plausible(Format::Wide));
     // The same from the other side.
     let mirrored: Vec<_> = points.iter().map(|&(v, z)| (-v, -z)).collect();
     let solution = assert_exact(&mirrored);
-    assert!(solution.plausible(Format::Paper) && !solution.plausible(Format::Wide));
+    assert!(solution.is_plausible(Format::Paper) && !solution.is_plausible(Format::Wide));
 }
 
 #[test]
 fn a_mirrored_barcode_is_implausible() {
-    assert!(!assert_exact(&[(-10, 80), (-9, 72), (9, -72), (10, -80)]).plausible(Format::Paper));
+    assert!(!assert_exact(&[(-10, 80), (-9, 72), (9, -72), (10, -80)]).is_plausible(Format::Paper));
     // Columns that are the same on both sides have no width: S = 0 and D > 0.
     let even = assert_exact(&[(-10, 5), (-9, 3), (9, 3), (10, 5)]);
-    assert!(even.d > 0 && even.s == 0 && !even.plausible(Format::Paper));
-    assert!(!Normal::new().solve().plausible(Format::Paper));
+    assert!(even.d > 0 && even.s == 0 && !even.is_plausible(Format::Paper));
+    assert!(!Normal::new().solve().is_plausible(Format::Paper));
 }
 
 #[test]
@@ -158,7 +158,7 @@ proptest! {
     fn a_plausible_homography_can_be_reported((format, points) in layer(), principal in 0_u16..640) {
         let solution = assert_exact(&points);
         prop_assert!(solution.d > 0);
-        prop_assume!(solution.plausible(format));
+        prop_assume!(solution.is_plausible(format));
         let hypothesis =
             Hypothesis { first_region: 1, last_region: 39, first_pixel: 1, last_pixel: 638 };
         let grid = Grid::new(&hypothesis).unwrap();

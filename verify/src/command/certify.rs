@@ -7,6 +7,7 @@ use crate::disturb::Disturbance;
 use crate::renders;
 use crate::summary::summary;
 use clap::Args;
+use core::fmt::Display;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use reference::camera::Camera;
 use std::fs;
@@ -16,6 +17,12 @@ use std::time::Instant;
 
 /// Random scenes by default.
 const DEFAULT_FRAMES: u64 = 20_000;
+
+/// Seed by default.
+const DEFAULT_SEED: u64 = 1;
+
+/// Folder by default.
+const DEFAULT_OUT: &str = "target/certify";
 
 /// Random scenes of a self-test run: enough for every stage to have cases.
 const SELF_TEST_FRAMES: u64 = 200;
@@ -35,10 +42,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES)]
     frames: u64,
     /// Seed of everything random
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
     seed: u64,
     /// Folder for certificate.json
-    #[arg(long, value_name = "DIR", default_value = "target/certify")]
+    #[arg(long, value_name = "DIR", default_value = DEFAULT_OUT)]
     out: PathBuf,
     /// Folder of images with a truth.csv
     #[arg(long, value_name = "DIR", default_value_os_t = default_renders())]
@@ -47,16 +54,17 @@ pub(super) struct Arguments {
     #[arg(long)]
     json: bool,
     /// Disturb each stage of the port slightly beyond its bound and show that the run fails and names it
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["frames", "out", "json"])]
     self_test: bool,
 }
 
 impl Default for Arguments {
+    /// What `barloc certify` means without arguments.
     fn default() -> Self {
         Self {
             frames: DEFAULT_FRAMES,
-            seed: 1,
-            out: PathBuf::from("target/certify"),
+            seed: DEFAULT_SEED,
+            out: PathBuf::from(DEFAULT_OUT),
             renders: default_renders(),
             json: false,
             self_test: false,
@@ -78,10 +86,12 @@ pub(super) fn run(arguments: &Arguments, out: &mut impl Write) -> Result<Exit, F
         return self_test(&plan, out);
     }
     let plan = Plan { frames: arguments.frames, seed: arguments.seed, renders };
+    // Before the work: a campaign may take hours.
+    let unwritten = Unwritten::create(&arguments.out)?;
     let started = Instant::now();
     let certificate = certify(&plan);
     let seconds = started.elapsed().as_secs_f64();
-    let path = write(&certificate, &arguments.out)?;
+    let path = unwritten.write(&certificate)?;
     if arguments.json {
         out.write_all(certificate.to_json().as_bytes())?;
     } else {
@@ -103,15 +113,41 @@ fn certify(plan: &Plan) -> Certificate {
     Certificate::new(plan, &findings, &renders)
 }
 
-/// Writes the certificate whole or not at all.
-fn write(certificate: &Certificate, folder: &Path) -> Result<PathBuf, Failure> {
-    let path = folder.join("certificate.json");
-    let unfinished = folder.join("certificate.json.part");
-    fs::create_dir_all(folder)
-        .and_then(|()| fs::write(&unfinished, certificate.to_json()))
-        .and_then(|()| fs::rename(&unfinished, &path))
-        .map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", path.display())))?;
-    Ok(path)
+/// A certificate's file before there is a certificate: written whole or not at all.
+struct Unwritten {
+    path: PathBuf,
+    part: PathBuf,
+}
+
+impl Unwritten {
+    fn create(folder: &Path) -> Result<Self, Failure> {
+        fs::create_dir_all(folder)
+            .map_err(|error| Failure::Input(format!("{}: cannot be made a folder: {error}", folder.display())))?;
+        let unwritten = Self { path: folder.join("certificate.json"), part: folder.join("certificate.json.part") };
+        if unwritten.path.is_dir() {
+            return Err(unwritten.failure(&"it is a folder"));
+        }
+        fs::write(&unwritten.part, "").map_err(|error| unwritten.failure(&error))?;
+        Ok(unwritten)
+    }
+
+    fn write(&self, certificate: &Certificate) -> Result<&Path, Failure> {
+        fs::write(&self.part, certificate.to_json())
+            .and_then(|()| fs::rename(&self.part, &self.path))
+            .map_err(|error| self.failure(&error))?;
+        Ok(&self.path)
+    }
+
+    fn failure(&self, error: &dyn Display) -> Failure {
+        Failure::Input(format!("{}: cannot be written: {error}", self.path.display()))
+    }
+}
+
+impl Drop for Unwritten {
+    /// Whatever happened, nothing half written stays behind.
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.part);
+    }
 }
 
 /// Disturbs one stage at a time: beyond its bound the run must fail and name that stage alone, within it pass.

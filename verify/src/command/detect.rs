@@ -1,16 +1,16 @@
 //! `barloc detect`
 
-use super::{Exit, Failure, complain};
+use super::{Exit, Failure, LandmarkFormat, camera, complain, printable};
 use crate::certificate::{format_name, payload_hex};
 use crate::input;
 use crate::lockstep::Setting;
 use crate::port::{Cameras, Landmarks};
 use crate::scenes::Lines;
-use crate::trace::{DetectionTrace, Trace};
+use crate::trace::{DetectionTrace, Outcome, Trace};
 use clap::{Args, ValueEnum};
-use reference::camera::Camera;
 use reference::crossing::CrossingRule;
 use reference::landmark::Format;
+use reference::observer::Layer;
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     /// One line of JSON per image and pipeline
     #[arg(long)]
     json: bool,
-    /// Images, 8-bit PNG or PGM
+    /// Images, PNG or PNM with at most 8 bits per sample
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
 }
@@ -55,12 +55,6 @@ enum Pipelines {
     Reference,
     Fixedpoint,
     Both,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum LandmarkFormat {
-    Paper,
-    Wide,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -123,19 +117,9 @@ pub(super) fn run(arguments: &Arguments, out: &mut impl Write) -> Result<Exit, F
 }
 
 fn setting(arguments: &Arguments) -> Result<Setting, Failure> {
-    let camera = match &arguments.camera {
-        None => Camera::epuck(),
-        Some(path) => input::camera(path).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?,
-    };
+    let camera = camera(arguments.camera.as_deref())?;
     let cameras = Cameras::new(camera).ok_or_else(|| Failure::Input("the port cannot hold this camera".to_owned()))?;
-    let asked: Vec<Format> = arguments
-        .landmark
-        .iter()
-        .map(|format| match format {
-            LandmarkFormat::Paper => Format::Paper,
-            LandmarkFormat::Wide => Format::Wide,
-        })
-        .collect();
+    let asked: Vec<Format> = arguments.landmark.iter().map(|&format| format.into()).collect();
     let formats = if asked.is_empty() { Format::ALL.to_vec() } else { asked };
     let landmarks =
         Landmarks::new(&formats).ok_or_else(|| Failure::Input("the port cannot hold this landmark".to_owned()))?;
@@ -167,22 +151,28 @@ fn report(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     for (pipeline, run) in pipelines(arguments.pipeline) {
-        let detections: Vec<DetectionReport> =
-            run(setting, upper, lower).detections.iter().map(DetectionReport::from).collect();
+        let trace = run(setting, upper, lower);
+        let detections: Vec<DetectionReport> = trace.detections.iter().map(DetectionReport::from).collect();
         if arguments.json {
             let line = ImageReport { image, pipeline, detections };
             serde_json::to_writer(&mut *out, &line).map_err(std::io::Error::from)?;
             writeln!(out)?;
         } else {
-            describe(image, pipeline, &detections, out)?;
+            describe(&printable(image), pipeline, &trace, &detections, out)?;
         }
     }
     Ok(())
 }
 
-fn describe(image: &str, pipeline: &str, found: &[DetectionReport], out: &mut impl Write) -> Result<(), Failure> {
+fn describe(
+    image: &str,
+    pipeline: &str,
+    trace: &Trace,
+    found: &[DetectionReport],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
     if found.is_empty() {
-        writeln!(out, "{image} {pipeline}: nothing found")?;
+        writeln!(out, "{image} {pipeline}: nothing found; {}", why_nothing(trace))?;
     }
     for detection in found {
         let pose = &detection.camera_in_landmark;
@@ -197,4 +187,25 @@ fn describe(image: &str, pipeline: &str, found: &[DetectionReport], out: &mut im
         )?;
     }
     Ok(())
+}
+
+/// Why a trace has no detections: what refused each line or region of interest, and each pair of layers.
+fn why_nothing(trace: &Trace) -> String {
+    let mut reasons = Vec::new();
+    let layers = [(Layer::Upper, "upper line"), (Layer::Lower, "lower line")];
+    for ((layer, name), line) in layers.into_iter().zip(&trace.lines) {
+        reasons.extend(line.refusal.map(|refusal| format!("{name}: {refusal}")));
+        for roi in trace.hypotheses.iter().filter(|roi| roi.layer == layer) {
+            if let Outcome::Refused(refusal) = roi.outcome {
+                let (first, last) = roi.pixels;
+                reasons.push(format!("{name}, pixels {first} to {last} as {}: {refusal}", format_name(roi.format)));
+            }
+        }
+    }
+    let refused = trace.pairs.iter().filter_map(|pair| pair.result.err().map(|refusal| (pair, refusal)));
+    reasons.extend(refused.map(|(pair, refusal)| {
+        format!("both lines, from pixel {} as {}: {refusal}", pair.first_pixels.0, format_name(pair.format))
+    }));
+    reasons.extend(trace.ambiguous.first().map(|_| "it decodes in two formats".to_owned()));
+    if reasons.is_empty() { "the layers found do not meet".to_owned() } else { reasons.join("; ") }
 }
