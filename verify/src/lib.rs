@@ -8,6 +8,7 @@ pub mod campaign;
 pub mod certificate;
 pub mod command;
 pub mod disturb;
+pub mod drawing;
 pub mod findings;
 pub mod input;
 pub mod lockstep;

@@ -1,6 +1,7 @@
 //! The command `barloc`.
 
 mod certify;
+mod design;
 mod detect;
 
 use crate::input;
@@ -73,6 +74,8 @@ enum Command {
     Certify(certify::Arguments),
     /// Find the landmarks in images
     Detect(detect::Arguments),
+    /// Tell from where a landmark can be read
+    Design(design::Arguments),
 }
 
 /// Runs the command with the given arguments, the program's name first.
@@ -101,6 +104,7 @@ impl Arguments {
             None => certify::run(&certify::Arguments::default(), out),
             Some(Command::Certify(arguments)) => certify::run(arguments, out),
             Some(Command::Detect(arguments)) => detect::run(arguments, out),
+            Some(Command::Design(arguments)) => design::run(arguments, out),
         }
     }
 }
