@@ -1,8 +1,10 @@
 //! The command `barloc`.
 
 mod certify;
+mod coverage;
 mod design;
 mod detect;
+mod place;
 
 use crate::input;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -76,6 +78,10 @@ enum Command {
     Detect(detect::Arguments),
     /// Tell from where a landmark can be read
     Design(design::Arguments),
+    /// Show from which part of a site a landmark can be read
+    Coverage(coverage::Arguments),
+    /// Choose where to put the landmarks of a site
+    Place(place::Arguments),
 }
 
 /// Runs the command with the given arguments, the program's name first.
@@ -105,6 +111,8 @@ impl Arguments {
             Some(Command::Certify(arguments)) => certify::run(arguments, out),
             Some(Command::Detect(arguments)) => detect::run(arguments, out),
             Some(Command::Design(arguments)) => design::run(arguments, out),
+            Some(Command::Coverage(arguments)) => coverage::run(arguments, out),
+            Some(Command::Place(arguments)) => place::run(arguments, out),
         }
     }
 }
