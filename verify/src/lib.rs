@@ -15,6 +15,7 @@ pub mod input;
 pub mod lockstep;
 pub mod place;
 pub mod port;
+pub mod print;
 pub mod record_fixedpoint;
 pub mod record_reference;
 pub mod renders;

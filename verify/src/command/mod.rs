@@ -5,6 +5,7 @@ mod coverage;
 mod design;
 mod detect;
 mod place;
+mod print;
 
 use crate::input;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -78,6 +79,8 @@ enum Command {
     Detect(detect::Arguments),
     /// Tell from where a landmark can be read
     Design(design::Arguments),
+    /// Print landmarks in true size
+    Print(print::Arguments),
     /// Show from which part of a site a landmark can be read
     Coverage(coverage::Arguments),
     /// Choose where to put the landmarks of a site
@@ -111,6 +114,7 @@ impl Arguments {
             Some(Command::Certify(arguments)) => certify::run(arguments, out),
             Some(Command::Detect(arguments)) => detect::run(arguments, out),
             Some(Command::Design(arguments)) => design::run(arguments, out),
+            Some(Command::Print(arguments)) => print::run(arguments, out),
             Some(Command::Coverage(arguments)) => coverage::run(arguments, out),
             Some(Command::Place(arguments)) => place::run(arguments, out),
         }
