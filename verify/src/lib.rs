@@ -10,6 +10,7 @@ pub mod command;
 pub mod coverage;
 pub mod disturb;
 pub mod drawing;
+pub mod figures;
 pub mod findings;
 pub mod input;
 pub mod lockstep;

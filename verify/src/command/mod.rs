@@ -4,6 +4,7 @@ mod certify;
 mod coverage;
 mod design;
 mod detect;
+mod paper;
 mod place;
 mod print;
 
@@ -85,6 +86,8 @@ enum Command {
     Coverage(coverage::Arguments),
     /// Choose where to put the landmarks of a site
     Place(place::Arguments),
+    /// Set the paper's figures beside ours
+    Paper(paper::Arguments),
 }
 
 /// Runs the command with the given arguments, the program's name first.
@@ -117,6 +120,7 @@ impl Arguments {
             Some(Command::Print(arguments)) => print::run(arguments, out),
             Some(Command::Coverage(arguments)) => coverage::run(arguments, out),
             Some(Command::Place(arguments)) => place::run(arguments, out),
+            Some(Command::Paper(arguments)) => paper::run(arguments, out),
         }
     }
 }
