@@ -89,7 +89,7 @@ pub struct FormatRow {
 
 /// Every quantity and its number format, in the order in which a scan line meets them.
 #[rustfmt::skip] // one row to a line
-pub const FORMATS: [FormatRow; 19] = [
+pub const FORMATS: [FormatRow; 21] = [
     row("pixel", "grey level", "one value of a scan line", 8, 0, "0", "255", "1"),
     row("pixel index", "px", "first pixel of a region, ends of an ROI", 16, 0, "0", "639", "1"),
     row("Threshold::twice", "grey level", "twice the threshold, T2", 16, 0, "0", "510", "1"),
@@ -102,6 +102,8 @@ pub const FORMATS: [FormatRow; 19] = [
     row("Solution k", "(2^-Q px)^2", "obliquity per stripe times d", 64, 0, "-2^44.5", "2^44.5", "1"),
     row("Sample::numerator", "(2^-Q px)^3", "middle of a stripe times its denominator", 64, 0, "-2^60.8", "2^60.8", "1"),
     row("Sample::denominator", "(2^-Q px)^2", "2 d (1 + k t)", 64, 0, "1", "2^49", "1"),
+    row("Residual::numerator", "(2^-Q px)^3", "difference of two residuals times d", 64, 0, "0", "2^61.8", "1"),
+    row("Residual::denominator", "(2^-Q px)^2", "d of a plausible homography", 64, 0, "1", "2^47.4", "1"),
     row("Column", "px", "a and s of a homography, principal column", 32, 20, "-2048", "2048 - 2^-20", "2^-20"),
     row("Obliquity", "1", "k of a homography", 32, 30, "-1/2", "1/2", "2^-30"),
     row("FocalLength", "px", "focal length of a camera", 32, 16, "16", "2048", "2^-16"),
