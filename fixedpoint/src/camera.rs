@@ -3,6 +3,9 @@
 use crate::formats::{Column, FocalLength};
 use crate::refusal::CameraRefusal;
 
+/// The most pixels of a scan line (`CAM-7`).
+pub const MAX_WIDTH: u16 = 640;
+
 /// A camera. Pixel `i` covers the columns from `i - 1/2` to `i + 1/2` (`CAM-1`).
 ///
 /// The vertical focal length and the rows of the scan lines (`CAM-5`) concern whoever takes or draws the image.
@@ -20,7 +23,7 @@ impl Camera {
     /// Unless the width is in 32 to 640 px, the focal length in `width/2` to 2048 px and the principal column in 0 to
     /// `width - 1`.
     pub fn new(width: u16, principal_column: Column, focal_length: FocalLength) -> Result<Self, CameraRefusal> {
-        if !(32..=640).contains(&width) {
+        if !(32..=MAX_WIDTH).contains(&width) {
             return Err(CameraRefusal::Width);
         }
         // Whole numbers up to 2048 compare exactly with every format.

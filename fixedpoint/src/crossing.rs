@@ -2,7 +2,7 @@
 
 use crate::hypotheses::Hypothesis;
 use crate::regions::Regions;
-use crate::threshold::Threshold;
+use crate::threshold::Thresholds;
 
 /// How a transition is placed between its two pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,8 +31,8 @@ pub const FARTHEST: i16 = 2048;
 pub struct Scan<'a> {
     /// The pixels.
     pub line: &'a [u8],
-    /// The line's threshold.
-    pub threshold: &'a Threshold,
+    /// The line's thresholds, by which its regions were found.
+    pub thresholds: Thresholds<'a>,
     /// The line's regions.
     pub regions: &'a Regions,
 }
@@ -86,7 +86,7 @@ impl Grid {
             CrossingRule::Interpolated => {
                 let distance = |pixel: u16| {
                     let value = *scan.line.get(usize::from(pixel))?;
-                    Some(u32::from(scan.threshold.distance(value)))
+                    Some(u32::from(scan.thresholds.at(scan.line, pixel)?.distance(value)))
                 };
                 let (e0, e1) = (distance(left)?, distance(right)?);
                 // Half-up rounding of 2^Q e0 / (e0 + e1); the numerator is below 2^18.
@@ -109,6 +109,7 @@ impl Grid {
 mod tests {
     use super::*;
     use crate::regions::regions;
+    use crate::threshold::Threshold;
 
     fn hypothesis(first_pixel: u16, last_pixel: u16) -> Hypothesis {
         Hypothesis { first_region: 1, last_region: 7, first_pixel, last_pixel }
@@ -141,10 +142,10 @@ mod tests {
     fn share(rule: CrossingRule, left: u8, right: u8) -> i16 {
         let mut line = [left; 36];
         line[18..].fill(right);
-        let threshold = Threshold { darkest: 0, brightest: 255 };
+        let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
         let mut found = Regions::new();
-        regions(&line, &threshold, &mut found).unwrap();
-        let scan = Scan { line: &line, threshold: &threshold, regions: &found };
+        regions(&line, &thresholds, &mut found).unwrap();
+        let scan = Scan { line: &line, thresholds, regions: &found };
         // The middle is the column 17.
         Grid::new(&hypothesis(10, 24)).unwrap().transition(rule, &scan, 1).unwrap()
     }
@@ -166,13 +167,13 @@ mod tests {
     #[test]
     fn halves_of_a_unit_are_rounded_up() {
         // Extent 32 gives Q = 6; e0 = 1 and e1 = 127 lie at 64/128 = 0.5 units.
-        let threshold = Threshold { darkest: 100, brightest: 227 };
+        let thresholds = Thresholds::Global(Threshold { darkest: 100, brightest: 227 });
         let mut line = [163_u8; 64];
         line[20] = 100;
         line[25..].fill(227);
         let mut found = Regions::new();
-        regions(&line, &threshold, &mut found).unwrap();
-        let scan = Scan { line: &line, threshold: &threshold, regions: &found };
+        regions(&line, &thresholds, &mut found).unwrap();
+        let scan = Scan { line: &line, thresholds, regions: &found };
         let grid = Grid::new(&hypothesis(9, 40)).unwrap();
         assert_eq!(grid.subpixel_bits(), 6);
         // From the pixel 24 to the middle 24.5 are 32 units.
@@ -182,13 +183,13 @@ mod tests {
     /// A white pixel on the threshold beside the ROI: half the extent and half a pixel from the middle, 8 px.
     #[test]
     fn the_farthest_transition_is_in_reach() {
-        let threshold = Threshold { darkest: 0, brightest: 254 };
+        let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 254 });
         let mut line = [254_u8; 36];
         line[10..25].fill(0);
         (line[9], line[25]) = (127, 127);
         let mut found = Regions::new();
-        regions(&line, &threshold, &mut found).unwrap();
-        let scan = Scan { line: &line, threshold: &threshold, regions: &found };
+        regions(&line, &thresholds, &mut found).unwrap();
+        let scan = Scan { line: &line, thresholds, regions: &found };
         let grid = Grid::new(&hypothesis(10, 24)).unwrap();
         assert_eq!(grid.transition(CrossingRule::Interpolated, &scan, 1), Some(-2048));
         assert_eq!(grid.transition(CrossingRule::Interpolated, &scan, 2), Some(2048));
@@ -203,10 +204,10 @@ mod tests {
     #[test]
     fn nothing_lies_at_the_left_of_the_line() {
         let line = [0_u8, 255];
-        let threshold = Threshold { darkest: 0, brightest: 255 };
+        let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
         let mut found = Regions::new();
-        regions(&line, &threshold, &mut found).unwrap();
-        let scan = Scan { line: &line, threshold: &threshold, regions: &found };
+        regions(&line, &thresholds, &mut found).unwrap();
+        let scan = Scan { line: &line, thresholds, regions: &found };
         let grid = Grid::new(&hypothesis(0, 1)).unwrap();
         for rule in [CrossingRule::Interpolated, CrossingRule::WholePixel] {
             assert_eq!(grid.transition(rule, &scan, 0), None);

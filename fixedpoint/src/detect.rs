@@ -1,15 +1,18 @@
 //! The detector: all stages, from two scan lines to landmarks.
 
+use crate::accept::Setting;
 use crate::camera::Camera;
 use crate::crossing::{CrossingRule, Scan};
 use crate::decode::{self, DecodedLayer, MAX_LAYERS};
+use crate::extents::Shade;
 use crate::hypotheses::{Taken, hypotheses};
 use crate::landmark::{Format, Landmark};
-use crate::merge::{merge, withdraw_ambiguous};
+use crate::merge::{Merger, withdraw_ambiguous};
 use crate::observer::{Layer, Observer};
 use crate::refusal::LineRefusal;
 use crate::regions::{Regions, regions};
-use crate::threshold::{Threshold, threshold};
+use crate::threshold::local::Blocks;
+use crate::threshold::{Threshold, Thresholding, Thresholds, threshold};
 use heapless::Vec;
 
 pub use crate::merge::Detections;
@@ -17,16 +20,17 @@ pub use crate::merge::Detections;
 /// The detector's working memory, about 1.5 KB. What it holds between two calls does not matter.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    upper: Line,
-    lower: Line,
-    taken: Taken,
+    upper: LineLayers,
+    lower: LineLayers,
+    scratch: Scratch,
 }
 
 impl Workspace {
     /// Working memory, ready for use.
     #[must_use]
     pub const fn new() -> Self {
-        Self { upper: Line::new(), lower: Line::new(), taken: Taken::new() }
+        let scratch = Scratch { regions: Regions::new(), blocks: Blocks::new(), taken: Taken::new() };
+        Self { upper: LineLayers::new(), lower: LineLayers::new(), scratch }
     }
 }
 
@@ -36,19 +40,79 @@ impl Default for Workspace {
     }
 }
 
-/// What is known of one scan line; a line that was refused has no regions.
+/// What is needed of a line only while it is searched, by one threshold after the other (`LINE-5`).
 #[derive(Clone, Debug)]
-struct Line {
-    threshold: Threshold,
+struct Scratch {
     regions: Regions,
+    blocks: Blocks,
+    taken: Taken,
+}
+
+/// The layers of a line, and its global threshold if it was not refused.
+#[derive(Clone, Debug)]
+struct LineLayers {
+    threshold: Option<Threshold>,
+    paper: FormatLayers,
+    wide: FormatLayers,
+}
+
+impl LineLayers {
+    const fn new() -> Self {
+        Self { threshold: None, paper: FormatLayers::new(), wide: FormatLayers::new() }
+    }
+
+    fn clear(&mut self) {
+        self.threshold = None;
+        self.paper.clear();
+        self.wide.clear();
+    }
+
+    fn of(&self, format: Format) -> &FormatLayers {
+        match format {
+            Format::Paper => &self.paper,
+            Format::Wide => &self.wide,
+        }
+    }
+
+    fn of_mut(&mut self, format: Format) -> &mut FormatLayers {
+        match format {
+            Format::Paper => &mut self.paper,
+            Format::Wide => &mut self.wide,
+        }
+    }
+}
+
+/// The layers of one format in a line, in the order of `MERGE-6`: none if they were too many (`DECODE-2`).
+#[derive(Clone, Debug)]
+struct FormatLayers {
     layers: Vec<DecodedLayer, MAX_LAYERS, u8>,
+    too_many: bool,
+}
+
+impl FormatLayers {
+    const fn new() -> Self {
+        Self { layers: Vec::new(), too_many: false }
+    }
+
+    fn clear(&mut self) {
+        self.layers.clear();
+        self.too_many = false;
+    }
+
+    fn push(&mut self, layer: DecodedLayer) -> Result<(), LineRefusal> {
+        self.layers.push(layer).map_err(|_| {
+            self.layers.clear();
+            self.too_many = true;
+            LineRefusal::TooManyLayers
+        })
+    }
 }
 
 /// Finds the landmarks in two scan lines (`LINE-1`): see the crate's documentation.
 ///
-/// Formats are searched in the order of `landmarks`, each as if it were the only one (`LINE-4`); of several landmarks
-/// of one format the first counts. A line that is refused has no layers and does not change what the other one has
-/// (`LINE-3`); why, the observer hears.
+/// Formats are searched in the order of `landmarks`, each as if it were the only one (`LINE-4`, `LINE-5`); of several
+/// landmarks of one format the first counts. A line that is refused has no layers and does not change what the other one
+/// has (`LINE-3`); why, the observer hears.
 pub fn detect<O: Observer>(
     upper: &[u8],
     lower: &[u8],
@@ -58,84 +122,101 @@ pub fn detect<O: Observer>(
     workspace: &mut Workspace,
     observer: &mut O,
 ) -> Detections {
-    let Workspace { upper: above, lower: below, taken } = workspace;
-    above.read(upper, Layer::Upper, camera, observer);
-    below.read(lower, Layer::Lower, camera, observer);
+    let Workspace { upper: above, lower: below, scratch } = workspace;
+    Search { layer: Layer::Upper, line: upper, camera, landmarks, rule, layers: above, observer }.run(scratch);
+    Search { layer: Layer::Lower, line: lower, camera, landmarks, rule, layers: below, observer }.run(scratch);
     let mut detections = Detections::new();
-    for (index, landmark) in landmarks.iter().enumerate() {
-        let repeats = |before: &Landmark| before.format == landmark.format;
-        if landmarks.iter().take(index).any(repeats) {
-            continue;
+    for landmark in distinct(landmarks) {
+        let setting = Setting { lines: [upper, lower], camera, landmark, rule };
+        let mut merger = Merger::new(setting, &mut detections, observer);
+        merger.merge(&above.of(landmark.format).layers, &below.of(landmark.format).layers);
+        if let (Some(one), Some(other)) = (&above.threshold, &below.threshold) {
+            merger.merge_extents(Shade::new(upper, one), Shade::new(lower, other));
         }
-        let search = Search { camera, format: landmark.format, rule };
-        search.run(upper, above, Layer::Upper, taken, observer);
-        search.run(lower, below, Layer::Lower, taken, observer);
-        merge(&above.layers, &below.layers, camera, landmark, &mut detections, observer);
     }
     withdraw_ambiguous(&mut detections, observer);
     detections
 }
 
-impl Line {
-    const fn new() -> Self {
-        let threshold = Threshold { darkest: 0, brightest: 0 };
-        Self { threshold, regions: Regions::new(), layers: Vec::new() }
-    }
+/// The first landmark of each format.
+fn distinct(landmarks: &[Landmark]) -> impl Iterator<Item = &Landmark> {
+    landmarks.iter().enumerate().filter_map(|(index, landmark)| {
+        let repeats = |before: &Landmark| before.format == landmark.format;
+        if landmarks.iter().take(index).any(repeats) { None } else { Some(landmark) }
+    })
+}
 
-    /// Finds threshold and regions of a line, or reports why there are none.
-    fn read<O: Observer>(&mut self, line: &[u8], layer: Layer, camera: &Camera, observer: &mut O) {
-        self.regions.clear();
-        if let Err(refusal) = self.try_read(line, layer, camera, observer) {
-            observer.line_refused(layer, refusal);
+/// The search of one line.
+struct Search<'a, O> {
+    layer: Layer,
+    line: &'a [u8],
+    camera: &'a Camera,
+    landmarks: &'a [Landmark],
+    rule: CrossingRule,
+    layers: &'a mut LineLayers,
+    observer: &'a mut O,
+}
+
+impl<O: Observer> Search<'_, O> {
+    /// Decodes the layers of the line by both of its thresholds, or reports why there are none.
+    fn run(mut self, scratch: &mut Scratch) {
+        self.layers.clear();
+        let Scratch { regions, blocks, taken } = scratch;
+        match self.read(blocks) {
+            Err(refusal) => self.observer.line_refused(self.layer, Thresholding::Global, refusal),
+            Ok(threshold) => {
+                self.layers.threshold = Some(threshold);
+                self.observer.threshold(self.layer, &threshold);
+                self.by(Thresholds::Global(threshold), regions, taken);
+                self.by(Thresholds::Local(blocks), regions, taken);
+            }
         }
     }
 
-    fn try_read<O: Observer>(
-        &mut self,
-        line: &[u8],
-        layer: Layer,
-        camera: &Camera,
-        observer: &mut O,
-    ) -> Result<(), LineRefusal> {
+    /// Reads what both thresholds are found from.
+    fn read(&self, blocks: &mut Blocks) -> Result<Threshold, LineRefusal> {
         // LINE-2
-        if line.len() != usize::from(camera.width()) {
+        if self.line.len() != usize::from(self.camera.width()) {
             return Err(LineRefusal::Width);
         }
-        self.threshold = threshold(line)?;
-        observer.threshold(layer, &self.threshold);
-        regions(line, &self.threshold, &mut self.regions)?;
-        observer.regions(layer, &self.regions);
-        Ok(())
+        blocks.read(self.line)?;
+        threshold(self.line)
     }
-}
 
-/// What a line is searched for.
-struct Search<'a> {
-    camera: &'a Camera,
-    format: Format,
-    rule: CrossingRule,
-}
+    /// Searches the line in all formats by one of its thresholds.
+    fn by(&mut self, thresholds: Thresholds<'_>, buffer: &mut Regions, taken: &mut Taken) {
+        let thresholding = thresholds.thresholding();
+        if let Err(refusal) = regions(self.line, &thresholds, buffer) {
+            self.observer.line_refused(self.layer, thresholding, refusal);
+            return;
+        }
+        self.observer.regions(self.layer, thresholding, buffer);
+        let scan = Scan { line: self.line, thresholds, regions: buffer };
+        for landmark in distinct(self.landmarks) {
+            if let Err(refusal) = self.decode(&scan, landmark.format, taken) {
+                self.observer.line_refused(self.layer, thresholding, refusal);
+            }
+        }
+    }
 
-impl Search<'_> {
-    /// Decodes the layers of a line, in the order of their seeds (`MERGE-6`); none if they are too many (`DECODE-2`).
-    fn run<O: Observer>(&self, pixels: &[u8], line: &mut Line, layer: Layer, taken: &mut Taken, observer: &mut O) {
-        line.layers.clear();
-        let scan = Scan { line: pixels, threshold: &line.threshold, regions: &line.regions };
-        for hypothesis in hypotheses(&line.regions, self.format, taken) {
-            observer.hypothesis(layer, self.format, &hypothesis);
-            let decoded = decode::decode(&scan, &hypothesis, self.format, self.camera, self.rule, observer);
-            match decoded {
-                Err(refusal) => observer.refused(refusal),
+    /// Decodes the layers of one format, in the order of their seeds, until they are too many (`DECODE-2`).
+    fn decode(&mut self, scan: &Scan<'_>, format: Format, taken: &mut Taken) -> Result<(), LineRefusal> {
+        let found = self.layers.of_mut(format);
+        if found.too_many {
+            return Ok(()); // by the other threshold, as was reported then
+        }
+        for hypothesis in hypotheses(scan.regions, format, taken) {
+            self.observer.hypothesis(self.layer, scan.thresholds.thresholding(), format, &hypothesis);
+            let before = &found.layers;
+            match decode::decode(scan, &hypothesis, format, self.camera, self.rule, before, self.observer) {
+                Err(refusal) => self.observer.refused(refusal),
                 Ok(decoded) => {
-                    if line.layers.push(decoded).is_err() {
-                        observer.line_refused(layer, LineRefusal::TooManyLayers);
-                        line.layers.clear();
-                        return;
-                    }
-                    observer.decoded(&decoded);
+                    found.push(decoded)?;
+                    self.observer.decoded(&decoded);
                 }
             }
         }
+        Ok(())
     }
 }
 

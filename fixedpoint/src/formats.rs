@@ -89,10 +89,10 @@ pub struct FormatRow {
 
 /// Every quantity and its number format, in the order in which a scan line meets them.
 #[rustfmt::skip] // one row to a line
-pub const FORMATS: [FormatRow; 21] = [
+pub const FORMATS: [FormatRow; 46] = [
     row("pixel", "grey level", "one value of a scan line", 8, 0, "0", "255", "1"),
     row("pixel index", "px", "first pixel of a region, ends of an ROI", 16, 0, "0", "639", "1"),
-    row("Threshold::twice", "grey level", "twice the threshold, T2", 16, 0, "0", "510", "1"),
+    row("Threshold::twice", "grey level", "twice a threshold, T2 or T2(i)", 16, 0, "0", "510", "1"),
     row("Crossing::column", "2^-Q px", "z, from the ROI's middle", 16, 0, "-2^11", "2^11", "1"),
     row("Crossing::edge", "stripe", "v = j - N/2", 8, 0, "-12", "12", "1"),
     row("Normal", "powers of 2^-Q px", "sums of products of v and z", 64, 0, "-2^29.4", "2^32.4", "1"),
@@ -110,6 +110,31 @@ pub const FORMATS: [FormatRow; 21] = [
     row("StripeWidth", "m", "X_dim of a landmark", 32, 32, "0.0005", "0.02", "2^-32"),
     row("pose ratio", "1", "x and y of a pose in half widths", 64, 24, "-2^39", "2^39", "2^-24"),
     row("Length", "m", "x and y of a pose", 32, 24, "-128", "128 - 2^-24", "2^-24"),
+    row("Projection column", "px", "an edge, from the fit's origin", 32, 16, "-2^11", "2^11", "2^-16"),
+    row("Boundary::ink", "px", "ink to the left of a pixel's boundary", 32, 16, "0", "2^11", "2^-16"),
+    row("Boundary::distribution", "1", "normal distribution at a boundary", 32, 16, "0", "1", "2^-16"),
+    row("Boundary::density", "1", "normal density at a boundary", 32, 16, "0", "0.4", "2^-16"),
+    row("Blur", "px", "blur of a fit", 32, 20, "0.2", "1.2", "2^-20"),
+    row("LayerLight", "grey level", "offset and gain of a fit, and their slopes", 32, 8, "-511", "511", "2^-8"),
+    row("λ", "1", "place in a window", 32, 12, "-1", "1", "2^-12"),
+    row("fit residual", "grey level", "a pixel less its model", 32, 8, "-256 + 2^-8", "256 - 2^-8", "2^-8"),
+    row("fit derivative", "2^-E", "a pixel's derivatives, one E in a layer", 16, 14, "-1", "1", "2^-14"),
+    row("Sums", "2^-E", "products of derivatives, of 10 bits each", 32, 20, "-640", "640", "2^-20"),
+    row("Sums right", "2^-E grey level", "products of derivatives and residuals", 64, 22, "-2^17.4", "2^17.4", "2^-22"),
+    row("Equations", "2^(e_i + e_j)", "scaled normal equations", 32, 30, "-1", "1", "2^-30"),
+    row("Solution of Equations", "2^(e_N - e_i)", "a step", 64, 24, "-256", "256", "2^-24"),
+    row("Fitted::variance", "squared grey level", "s² of a fit", 32, 16, "0", "2^16 - 2^-16", "2^-16"),
+    row("Edges column", "px", "an edge, from the line's first pixel", 32, 16, "-2^14.6", "2^14.6", "2^-16"),
+    row("Edges::ink", "1", "ink of an edge or a stripe in a pixel", 32, 16, "0", "1", "2^-16"),
+    row("Seen", "grey level", "a pixel less white, and what ink does to it", 32, 8, "-1277", "1277", "2^-8"),
+    row("Viterbi residual", "grey level", "a pixel less its model, before it is squared", 32, 4, "-1788", "1788", "2^-4"),
+    row("Viterbi sum", "squared grey level", "squares on the way to a state", 32, 4, "0", "2^28 - 2^-4", "2^-4"),
+    row("change", "grey level", "change of a pixel's model, and its residual", 32, 6, "-2^9 + 2^-6", "2^9 - 2^-6", "2^-6"),
+    row("Squares", "squared grey level", "a decision margin", 32, 8, "-2^23", "2^23 - 2^-8", "2^-8"),
+    row("Covariance", "px², px, 1", "covariance of a, s and k", 64, 50, "-2^12", "2^12", "2^-50"),
+    row("Node", "m", "x and y of a pose at a node", 64, 36, "-2^27", "2^27", "2^-36"),
+    row("Derivatives", "m/px, 1/px", "of x, y and θ by a and s", 64, 40, "-2^23", "2^23", "2^-40"),
+    row("PoseCovariance", "m², m, 1", "covariance of x, y and θ", 64, 48, "-2^15", "2^15", "2^-48"),
     row("Angle", "π", "heading of a pose; -1 stands for π", 32, 31, "-1", "1 - 2^-31", "2^-31"),
 ];
 
@@ -169,6 +194,7 @@ mod tests {
             ("FocalLength", FocalLength::INT_NBITS + FocalLength::FRAC_NBITS, FocalLength::FRAC_NBITS),
             ("StripeWidth", StripeWidth::INT_NBITS + StripeWidth::FRAC_NBITS, StripeWidth::FRAC_NBITS),
             ("Length", Length::INT_NBITS + Length::FRAC_NBITS, Length::FRAC_NBITS),
+            ("Blur", Column::INT_NBITS + Column::FRAC_NBITS, Column::FRAC_NBITS),
             ("Angle", i32::BITS, 31),
         ];
         for (name, bits, fraction_bits) in described {

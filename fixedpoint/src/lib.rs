@@ -5,9 +5,11 @@
 //! where they are implemented. The stages run in this order:
 //!
 //! [`threshold`] → [`regions`] → [`hypotheses`] → [`homography`] (from [`crossing`]s) → [`sampling`] → [`decode`] →
-//! [`merge`] → [`pose`]
+//! [`merge`], beside it [`extents`] → [`trellis`] for barcodes too small to be thresholded; then [`fit`] (from [`edge`]s) →
+//! [`accept`] → [`pose`] and [`covariance`]
 //!
-//! and [`detect`] runs them all. Each reports its result to an [`observer`].
+//! and [`detect`] runs them all, those before merging for each line by its global and then by its local threshold. Each
+//! reports its result to an [`observer`].
 //!
 //! # Arithmetic
 //! There is no floating-point number in this crate. Crossings are integers, so the normal equations of a homography
@@ -15,8 +17,8 @@
 //! stripes are sampled. What is rounded in the end is rounded to nearest, halves up. [`formats`] lists every format.
 //!
 //! # Memory
-//! No allocator: everything lives in a [`detect::Workspace`] of about 1.5 KB, in the returned list of about 1.2 KB,
-//! and on a shallow stack. A buffer that fills up ends in a refusal that says so.
+//! No allocator: everything lives in a [`detect::Workspace`] of about 1.5 KB, in the returned list of about 1.3 KB,
+//! and on the stack. A buffer that fills up ends in a refusal that says so.
 //!
 //! # Rules
 //! No function panics, indexes, divides by a number that can be zero, or recurses.
@@ -63,25 +65,38 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod accept;
+pub mod binary;
 pub mod camera;
 pub mod codeword;
 pub mod cordic;
+pub mod covariance;
 pub mod crossing;
 pub mod decode;
 pub mod detect;
+pub mod edge;
+pub mod elimination;
+pub mod extents;
+pub mod fit;
 pub mod formats;
 pub mod frame;
 pub mod homography;
 pub mod hypotheses;
+pub mod ink;
 pub mod landmark;
+pub mod light;
 pub mod merge;
 pub mod observer;
 pub mod pose;
+pub mod projection;
 pub mod ratio;
+pub mod reciprocal;
 pub mod refusal;
 pub mod regions;
 pub mod sampling;
+pub mod sweep;
 pub mod threshold;
+pub mod trellis;
 
 #[cfg(test)]
 mod drawing;

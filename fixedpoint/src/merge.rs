@@ -1,16 +1,80 @@
-//! Merging the layers of both lines to detections.
+//! Merging the layers of both lines to detections, and their extents.
 
-use crate::camera::Camera;
+use crate::accept::margin::Squares;
+use crate::accept::{Candidate, Evidence, Setting, accept};
 use crate::codeword;
-use crate::decode::{DecodedLayer, MAX_LAYERS};
+use crate::covariance::{Covariance, PoseCovariance};
+use crate::decode::DecodedLayer;
+use crate::extents::{Extent, Shade, extents};
 use crate::formats::{Column, Obliquity};
 use crate::frame::{self, Pose};
 use crate::homography::Homography;
 use crate::hypotheses::Hypothesis;
-use crate::landmark::{Format, Landmark};
+use crate::landmark::Format;
 use crate::observer::Observer;
-use crate::pose::pose;
+use crate::refusal::{CandidateRefusal, PairRefusal};
+use crate::threshold::Thresholding;
+use crate::trellis::{self, Settled};
 use heapless::Vec;
+
+/// What decoded a barcode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decoder {
+    /// Thresholds and regions, stripe after stripe.
+    Threshold,
+    /// The trellis, for barcodes too small for that.
+    Trellis,
+}
+
+/// What gave a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// The fit (`COV-2`).
+    Fit,
+    /// The paper's estimate, from the merged homography (`ACCEPT-10`).
+    Paper,
+}
+
+/// Where a layer was read, and what it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// The first pixel of the ROI or of the extent.
+    pub first_pixel: u16,
+    /// The last pixel.
+    pub last_pixel: u16,
+    /// Its half of the code word, 12 or 16 bits.
+    pub half_word: u16,
+}
+
+impl Reading {
+    fn of(layer: &DecodedLayer) -> Self {
+        let Hypothesis { first_pixel, last_pixel, .. } = layer.hypothesis;
+        Self { first_pixel, last_pixel, half_word: layer.half_word }
+    }
+
+    fn of_extent((first_pixel, last_pixel): Extent, half_word: u16) -> Self {
+        Self { first_pixel, last_pixel, half_word }
+    }
+
+    /// Whether these pixels of the same line and the reading's have one in common.
+    #[must_use]
+    pub fn shares_a_pixel_with(&self, first_pixel: u16, last_pixel: u16) -> bool {
+        self.first_pixel <= last_pixel && first_pixel <= self.last_pixel
+    }
+}
+
+/// What a detection keeps of its fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FitSummary {
+    /// The covariance of `(a, s, k)` (`FIT-14`).
+    pub covariance: Covariance,
+    /// The blur σ in px.
+    pub blur: Column,
+    /// `s²` in 2^-16 squared grey levels.
+    pub variance: u32,
+    /// The decision margin (`ACCEPT-8`).
+    pub margin: Squares,
+}
 
 /// A landmark that was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,49 +83,149 @@ pub struct Detection {
     pub format: Format,
     /// What it says, 16 or 24 bits.
     pub payload: u32,
+    /// What decoded it.
+    pub decoder: Decoder,
     /// The upper layer.
-    pub upper: DecodedLayer,
+    pub upper: Reading,
     /// The lower layer.
-    pub lower: DecodedLayer,
-    /// The mean of both layers' homographies.
+    pub lower: Reading,
+    /// The fitted homography, or the mean of both layers' ones if there is no fit.
     pub homography: Homography,
-    /// The pose that follows from it.
+    /// What the fit says besides; none by `ACCEPT-10`.
+    pub fit: Option<FitSummary>,
+    /// The camera's pose: the mean of `COV-2`, or `POSE` of the merged homography.
     pub camera_in_landmark: Pose<frame::Landmark, frame::Camera>,
+    /// The covariance of this pose (`COV-3`, `COV-5`).
+    pub covariance: PoseCovariance,
 }
 
-/// The most detections: one for each upper layer of two formats.
-///
-/// An ROI that was decoded is at least 7 px wide, and ROIs of one format do not overlap, so the first pixels of two of
-/// them differ by at least 8: at most one lower layer begins within 3 px of an upper one.
-pub const MAX_DETECTIONS: usize = 2 * MAX_LAYERS;
+impl Detection {
+    /// What gave the pose.
+    #[must_use]
+    pub fn estimator(&self) -> Estimator {
+        if self.fit.is_some() { Estimator::Fit } else { Estimator::Paper }
+    }
+}
+
+/// The most detections of a line pair (`MERGE-10`).
+pub const MAX_DETECTIONS: usize = 8;
 
 /// Detections in the order of `MERGE-8`.
 pub type Detections = Vec<Detection, MAX_DETECTIONS>;
 
-/// Pairs the layers of one format and adds what they say to the detections (`MERGE-1` to `MERGE-6`).
-///
-/// Layers come in the order of their seeds. There is room for all pairs (see [`MAX_DETECTIONS`]) if `detections` has
-/// none of this format yet; a pair without room would be left out, although reported to the observer.
-pub fn merge<O: Observer>(
-    upper: &[DecodedLayer],
-    lower: &[DecodedLayer],
-    camera: &Camera,
-    landmark: &Landmark,
-    detections: &mut Detections,
-    observer: &mut O,
-) {
-    let format = landmark.format;
-    for upper in upper {
-        for lower in lower.iter().filter(|lower| belong_together(upper, lower)) {
-            let payload = codeword::decode(format, upper.half_word, lower.half_word);
-            observer.pair(format, upper, lower, payload);
-            let Ok(payload) = payload else { continue };
-            let homography = mean(&upper.homography, &lower.homography);
-            let camera_in_landmark = pose(&homography, camera, landmark);
-            let (upper, lower) = (*upper, *lower);
-            let found = Detection { format, payload, upper, lower, homography, camera_in_landmark };
-            detections.push(found).ok();
+/// The most pairs of one format that the trellis tries (`EXTENT-7`).
+const MAX_EXTENTS: u8 = 4;
+
+/// The search for the detections of one format.
+pub struct Merger<'a, O> {
+    /// What its candidates have in common.
+    pub setting: Setting<'a>,
+    /// Where detections are added, in the order of `MERGE-8`.
+    pub detections: &'a mut Detections,
+    /// Who hears of it.
+    pub observer: &'a mut O,
+    /// How many pairs the trellis has tried (`EXTENT-7`).
+    tried: u8,
+}
+
+impl<'a, O: Observer> Merger<'a, O> {
+    /// The search before it begins.
+    pub fn new(setting: Setting<'a>, detections: &'a mut Detections, observer: &'a mut O) -> Self {
+        Self { setting, detections, observer, tried: 0 }
+    }
+
+    /// Pairs the layers of the format, in the order of `MERGE-6` (`MERGE-1` to `MERGE-5`), and decides the candidates.
+    pub fn merge(&mut self, upper: &[DecodedLayer], lower: &[DecodedLayer]) {
+        for upper in upper {
+            for lower in lower.iter().filter(|lower| belong_together(upper, lower)) {
+                let readings = [Reading::of(upper), Reading::of(lower)];
+                let homographies = [upper.homography, lower.homography];
+                let local = [upper, lower].iter().any(|layer| layer.thresholding == Thresholding::Local);
+                match self.candidate(Decoder::Threshold, readings) {
+                    Ok(candidate) => self.decide(&candidate, Evidence::Threshold(homographies)),
+                    Err(PairRefusal::Crc) if local => self.try_again(readings, &homographies),
+                    Err(_) => {}
+                }
+            }
         }
+    }
+
+    /// Decides a pair of layers again under a step of light (`TRELLIS-9`), unless the format's pairs are used up
+    /// (`EXTENT-7`).
+    fn try_again(&mut self, readings: [Reading; 2], [upper, lower]: &[Homography; 2]) {
+        if self.tried < MAX_EXTENTS {
+            self.tried += 1;
+            let Setting { lines, camera, landmark, .. } = self.setting;
+            let merged = mean(upper, lower);
+            let settled = trellis::decode_again(lines, readings, &merged, landmark.format, camera, self.observer);
+            self.settled(settled, readings);
+        }
+    }
+
+    /// Tries the pairs of extents of the format (`EXTENT-4` to `EXTENT-7`, `TRELLIS`) and decides the candidates.
+    pub fn merge_extents(&mut self, upper: Shade<'_>, lower: Shade<'_>) {
+        let format = self.setting.landmark.format;
+        for (upper, lower) in extents(upper, lower, format) {
+            if self.tried == MAX_EXTENTS {
+                return;
+            }
+            if !self.is_found(upper, lower) {
+                self.tried += 1;
+                self.try_extents(upper, lower);
+            }
+        }
+    }
+
+    /// Whether one of the extents shares a pixel with a detection of any format (`EXTENT-5`).
+    fn is_found(&self, upper: Extent, lower: Extent) -> bool {
+        self.detections.iter().any(|found| {
+            found.upper.shares_a_pixel_with(upper.0, upper.1) || found.lower.shares_a_pixel_with(lower.0, lower.1)
+        })
+    }
+
+    fn try_extents(&mut self, upper: Extent, lower: Extent) {
+        let Setting { lines, camera, landmark, .. } = self.setting;
+        self.observer.extents(landmark.format, upper, lower);
+        let settled = trellis::decode(lines, [upper, lower], landmark.format, camera, self.observer);
+        self.settled(settled, [upper, lower].map(|extent| Reading::of_extent(extent, 0)));
+    }
+
+    /// Decides what the trellis has found, in these readings' places.
+    fn settled(&mut self, settled: Result<Settled, CandidateRefusal>, mut readings: [Reading; 2]) {
+        match settled {
+            Err(refusal) => self.refuse(Decoder::Trellis, refusal),
+            Ok(Settled { half_words, fitted }) => {
+                for (reading, half_word) in readings.iter_mut().zip(half_words) {
+                    reading.half_word = half_word;
+                }
+                if let Ok(candidate) = self.candidate(Decoder::Trellis, readings) {
+                    self.decide(&candidate, Evidence::Trellis(&fitted));
+                }
+            }
+        }
+    }
+
+    /// The candidate of two readings, if they have a payload (`MERGE-2`, `MERGE-3`, `TRELLIS-8`).
+    fn candidate(&mut self, decoder: Decoder, readings: [Reading; 2]) -> Result<Candidate, PairRefusal> {
+        let format = self.setting.landmark.format;
+        let [upper, lower] = &readings;
+        let payload = codeword::decode(format, upper.half_word, lower.half_word);
+        self.observer.pair(format, decoder, upper, lower, payload);
+        Ok(Candidate { payload: payload?, readings })
+    }
+
+    /// Makes a candidate a detection, or reports why not (`MERGE-9`, `MERGE-10`).
+    fn decide(&mut self, candidate: &Candidate, evidence: Evidence<'_>) {
+        let decoder = evidence.decoder();
+        let decided = accept(candidate, evidence, &self.setting, self.observer);
+        let decided = decided.and_then(|found| self.detections.push(found).map_err(|_| CandidateRefusal::TooMany));
+        if let Err(refusal) = decided {
+            self.refuse(decoder, refusal);
+        }
+    }
+
+    fn refuse(&mut self, decoder: Decoder, refusal: CandidateRefusal) {
+        self.observer.candidate_refused(self.setting.landmark.format, decoder, refusal);
     }
 }
 
@@ -72,7 +236,8 @@ fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer) -> bool {
 }
 
 /// The mean of two homographies (`MERGE-4`). Rounding errors: 2^-21 px for `a` and `s`, 2^-31 for `k`.
-fn mean(upper: &Homography, lower: &Homography) -> Homography {
+#[must_use]
+pub fn mean(upper: &Homography, lower: &Homography) -> Homography {
     let column = |upper: Column, lower: Column| Column::from_bits(halfway(upper.to_bits(), lower.to_bits()));
     Homography {
         a: column(upper.a, lower.a),
@@ -107,10 +272,7 @@ pub fn withdraw_ambiguous<O: Observer>(detections: &mut Detections, observer: &m
 }
 
 fn contradict(one: &Detection, other: &Detection) -> bool {
-    let shares_a_pixel = |one: &Hypothesis, other: &Hypothesis| {
-        one.first_pixel <= other.last_pixel && other.first_pixel <= one.last_pixel
-    };
-    one.format != other.format && shares_a_pixel(&one.upper.hypothesis, &other.upper.hypothesis)
+    one.format != other.format && one.upper.shares_a_pixel_with(other.upper.first_pixel, other.upper.last_pixel)
 }
 
 #[cfg(test)]

@@ -2,13 +2,15 @@
 
 use crate::crossing::Crossing;
 use crate::decode::DecodedLayer;
+use crate::extents::Extent;
+use crate::fit::Fitted;
 use crate::hypotheses::Hypothesis;
 use crate::landmark::Format;
-use crate::merge::Detection;
-use crate::refusal::{HypothesisRefusal, LineRefusal, PairRefusal};
+use crate::merge::{Decoder, Detection, Reading};
+use crate::refusal::{CandidateRefusal, FitRefusal, HypothesisRefusal, LineRefusal, PairRefusal};
 use crate::regions::Regions;
 use crate::sampling::{Residual, Sample};
-use crate::threshold::Threshold;
+use crate::threshold::{Threshold, Thresholding};
 
 /// One of the two scan lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,21 +21,27 @@ pub enum Layer {
     Lower,
 }
 
-/// What happens in [`crate::detect::detect`], in this order: for each line its threshold and its regions, or why it was
-/// refused; then for each format and line the hypotheses, each with its crossings and samples and its end; then the
-/// format's pairs; and when all formats are searched, the detections.
+/// What happens in [`crate::detect::detect`], in this order (`LINE-5`): for each line, the upper one first, its global
+/// threshold, or why it was refused; then, by its global threshold and after that by its local one, its regions, or why
+/// there are none, and for each format the hypotheses, each with its crossings and samples and its end. When both lines
+/// are searched, for each format the pairs of layers and then the pairs of extents, and in the end the detections.
+///
+/// A pair of layers is reported and, if it has a payload, its fits; a pair of extents before it is tried, then its fits and,
+/// when its half words have settled, what they say; a pair of layers that is decided again (`TRELLIS-9`) likewise, after the
+/// refusal of its code word. A candidate of either that is refused says why after that.
 pub trait Observer {
-    /// A line's threshold.
+    /// A line's global threshold.
     fn threshold(&mut self, _layer: Layer, _threshold: &Threshold) {}
 
-    /// A line's regions.
-    fn regions(&mut self, _layer: Layer, _regions: &Regions) {}
+    /// A line's regions by one of its thresholds.
+    fn regions(&mut self, _layer: Layer, _thresholding: Thresholding, _regions: &Regions) {}
 
-    /// A line, or for `TooManyLayers` the layers of one format in it, was refused.
-    fn line_refused(&mut self, _layer: Layer, _refusal: LineRefusal) {}
+    /// A line was refused; for `TooManyRegions` by this threshold only, and for `TooManyLayers` its layers of one format
+    /// by both, of which the last one was found by this. `Width` and `LowContrast` come with the global one.
+    fn line_refused(&mut self, _layer: Layer, _thresholding: Thresholding, _refusal: LineRefusal) {}
 
-    /// An ROI, before its checks.
-    fn hypothesis(&mut self, _layer: Layer, _format: Format, _hypothesis: &Hypothesis) {}
+    /// An ROI of the regions by this threshold, before its checks.
+    fn hypothesis(&mut self, _layer: Layer, _thresholding: Thresholding, _format: Format, _hypothesis: &Hypothesis) {}
 
     /// A transition that enters the ROI's homography.
     fn crossing(&mut self, _crossing: &Crossing) {}
@@ -50,15 +58,25 @@ pub trait Observer {
     /// The ROI was decoded.
     fn decoded(&mut self, _layer: &DecodedLayer) {}
 
-    /// Two layers were paired: their payload or why they are none.
+    /// A pair of extents is about to be tried.
+    fn extents(&mut self, _format: Format, _upper: Extent, _lower: Extent) {}
+
+    /// Two layers were paired, or the half words of a pair of extents have settled: their payload or why they are none.
     fn pair(
         &mut self,
         _format: Format,
-        _upper: &DecodedLayer,
-        _lower: &DecodedLayer,
+        _decoder: Decoder,
+        _upper: &Reading,
+        _lower: &Reading,
         _result: Result<u32, PairRefusal>,
     ) {
     }
+
+    /// Both layers were fitted with their half words (`FIT`), but for the guard fit of `TRELLIS-1`, which is not reported.
+    fn fitted(&mut self, _fit: Result<&Fitted, FitRefusal>) {}
+
+    /// A pair with a payload, or a pair of extents without one, does not become a detection.
+    fn candidate_refused(&mut self, _format: Format, _decoder: Decoder, _refusal: CandidateRefusal) {}
 
     /// A detection, in the order of `MERGE-8`.
     fn detection(&mut self, _detection: &Detection) {}

@@ -17,7 +17,7 @@ macro_rules! sentences {
     };
 }
 
-/// Why a scan line, or what it shows of one format, was refused.
+/// Why a scan line, or what it shows by one of its thresholds or of one format, was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineRefusal {
     /// `LINE-2`.
@@ -33,13 +33,15 @@ pub enum LineRefusal {
 sentences!(LineRefusal {
     Width: "the scan line is not as long as the camera is wide",
     LowContrast: "the scan line's range is below 24 grey levels",
-    TooManyRegions: "the scan line has more than 255 regions",
+    TooManyRegions: "the scan line has more than 255 regions by one of its thresholds",
     TooManyLayers: "the scan line has more than 8 layers of one format",
 });
 
 /// Why a region of interest was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HypothesisRefusal {
+    /// `HYPO-12`.
+    Repeated,
     /// `HYPO-6`.
     TooFewBars,
     /// `HYPO-7`.
@@ -61,6 +63,7 @@ pub enum HypothesisRefusal {
 }
 
 sentences!(HypothesisRefusal {
+    Repeated: "the global threshold decoded a layer of the format there",
     TooFewBars: "it has fewer bars than two guards",
     TooManyBars: "it has more bars than a layer has pairs of stripes",
     CutOff: "it reaches an end of the scan line",
@@ -82,6 +85,58 @@ pub enum PairRefusal {
 }
 
 sentences!(PairRefusal { EqualHalves: "both halves of the code word are equal", Crc: "the check byte is wrong" });
+
+/// Why a fit was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FitRefusal {
+    /// `FIT-12`.
+    TooFewPixels,
+    /// `FIT-13`.
+    NotConverged,
+}
+
+sentences!(FitRefusal {
+    TooFewPixels: "its windows have too few pixels for the fit's parameters",
+    NotConverged: "the fit did not converge to a barcode",
+});
+
+/// Why a candidate did not become a detection (`MERGE-9`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CandidateRefusal {
+    /// `TRELLIS-7`.
+    Unsettled,
+    /// `ACCEPT-11`.
+    NoFit,
+    /// `ACCEPT-2`.
+    Disagree,
+    /// `ACCEPT-3`.
+    Oblique,
+    /// `ACCEPT-4`.
+    Contrast,
+    /// `ACCEPT-5`.
+    Blur,
+    /// `ACCEPT-6` and `ACCEPT-13`.
+    Misfit,
+    /// `ACCEPT-7`.
+    Margin,
+    /// `ACCEPT-12`.
+    Undetermined,
+    /// `MERGE-10`.
+    TooMany,
+}
+
+sentences!(CandidateRefusal {
+    Unsettled: "its half words still change after the third fit",
+    NoFit: "its extents cannot be fitted",
+    Disagree: "its layers' homographies are not of one barcode",
+    Oblique: "it would be seen at more than 72 degrees",
+    Contrast: "one of its layers has too little contrast, or half that of the other",
+    Blur: "its blur is above 1 px, or above 0.9 px by the trellis",
+    Misfit: "its pixels are not those of the barcode it was read as",
+    Margin: "another code word explains its pixels nearly as well",
+    Undetermined: "its fit leaves the camera's heading open",
+    TooMany: "the scan lines have given 8 detections before it",
+});
 
 /// Why a payload was not encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The regions of a scan line: maximal runs of one colour, after the contrast filter.
 
 use crate::refusal::LineRefusal;
-use crate::threshold::Threshold;
+use crate::threshold::{Threshold, Thresholds};
 use heapless::Vec;
 
 /// What a pixel or a stripe is.
@@ -26,7 +26,7 @@ pub struct Regions {
 }
 
 impl Regions {
-    /// No regions, as of a line that was refused.
+    /// No regions, as after a refusal.
     #[must_use]
     pub const fn new() -> Self {
         Self { firsts: Vec::new(), first_colour: Colour::Black, width: 0 }
@@ -76,37 +76,43 @@ impl Regions {
         *self = Self::new();
     }
 
-    fn fill(&mut self, line: &[u8], threshold: &Threshold) -> Result<(), LineRefusal> {
-        self.width = u16::try_from(line.len()).map_err(|_| LineRefusal::Width)?;
+    /// Takes each pixel with its threshold, from left to right.
+    fn fill(&mut self, mut pixels: impl Iterator<Item = (u8, Threshold)>) -> Result<(), LineRefusal> {
         let (mut run_first, mut run_colour) = (0, None);
         let mut region_colour = None;
-        for (index, &pixel) in (0..self.width).zip(line) {
-            let colour = Some(colour_of(pixel, threshold));
-            if colour != run_colour {
-                (run_first, run_colour) = (index, colour);
+        pixels.try_for_each(|(pixel, threshold)| {
+            let index = self.width;
+            self.width = index.checked_add(1).ok_or(LineRefusal::Width)?;
+            let colour = colour_of(pixel, &threshold);
+            if run_colour != Some(colour) {
+                (run_first, run_colour) = (index, Some(colour));
             }
-            if colour != region_colour && threshold.is_distinct(pixel) {
+            if region_colour != Some(colour) && threshold.is_distinct(pixel) {
                 // The raw region has a distinct pixel and another colour than what is at its left: a region begins
                 // where the raw region began (REGION-2), the first one at the line's end (REGION-3).
                 let first = if region_colour.is_none() { 0 } else { run_first };
                 self.firsts.push(first).map_err(|_| LineRefusal::TooManyRegions)?;
                 if region_colour.is_none() {
-                    self.first_colour = colour_of(pixel, threshold);
+                    self.first_colour = colour;
                 }
-                region_colour = colour;
+                region_colour = Some(colour);
             }
-        }
-        Ok(())
+            Ok(())
+        })
     }
 }
 
-/// Finds the regions of a line, in the caller's buffer, which holds none after a refusal (`REGION-1` to `REGION-5`).
+/// Finds the regions of a line by one of its thresholds, in the caller's buffer, which holds none after a refusal
+/// (`REGION-1` to `REGION-5`).
 ///
 /// # Errors
 /// `TooManyRegions` if there are more than 255, `Width` if the line has more than 65,535 pixels.
-pub fn regions(line: &[u8], threshold: &Threshold, regions: &mut Regions) -> Result<(), LineRefusal> {
+pub fn regions(line: &[u8], thresholds: &Thresholds<'_>, regions: &mut Regions) -> Result<(), LineRefusal> {
     regions.clear();
-    let filled = regions.fill(line, threshold);
+    let filled = match thresholds {
+        Thresholds::Global(threshold) => regions.fill(line.iter().map(|&pixel| (pixel, *threshold))),
+        Thresholds::Local(blocks) => regions.fill(blocks.thresholds(line)),
+    };
     if filled.is_err() {
         regions.clear();
     }
@@ -132,9 +138,9 @@ mod tests {
 
     /// First pixel and colour of each region; T = 100 and R = 160, distinct from 10 grey levels on.
     fn found(line: &[u8]) -> List<(u16, Colour)> {
-        let threshold = Threshold { darkest: 20, brightest: 180 };
+        let thresholds = Thresholds::Global(Threshold { darkest: 20, brightest: 180 });
         let mut found = Regions::new();
-        regions(line, &threshold, &mut found).unwrap();
+        regions(line, &thresholds, &mut found).unwrap();
         (0..found.len()).map(|i| (found.first(i).unwrap(), found.colour(i))).collect()
     }
 
@@ -168,20 +174,20 @@ mod tests {
 
     #[test]
     fn more_than_255_regions_are_refused() {
-        let threshold = Threshold { darkest: 0, brightest: 255 };
+        let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
         let line: List<u8> = (0..256).map(|i| if i % 2 == 0 { 0 } else { 255 }).collect();
         let mut found = Regions::new();
-        assert_eq!(regions(&line[..255], &threshold, &mut found), Ok(()));
+        assert_eq!(regions(&line[..255], &thresholds, &mut found), Ok(()));
         assert_eq!((found.len(), found.last(254)), (255, Some(254)));
-        assert_eq!(regions(&line, &threshold, &mut found), Err(LineRefusal::TooManyRegions));
+        assert_eq!(regions(&line, &thresholds, &mut found), Err(LineRefusal::TooManyRegions));
         assert!(found.is_empty());
     }
 
     #[test]
     fn a_region_ends_before_the_next_or_with_the_line() {
-        let threshold = Threshold { darkest: 0, brightest: 255 };
+        let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
         let mut found = Regions::new();
-        regions(&[0, 0, 255, 255, 255], &threshold, &mut found).unwrap();
+        regions(&[0, 0, 255, 255, 255], &thresholds, &mut found).unwrap();
         assert_eq!((found.last(0), found.last(1), found.last(2)), (Some(1), Some(4), None));
         assert_eq!(found.first(2), None);
     }

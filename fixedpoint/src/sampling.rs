@@ -7,6 +7,7 @@ use crate::landmark::{Format, GUARD_PAIRS};
 use crate::observer::Observer;
 use crate::refusal::HypothesisRefusal;
 use crate::regions::Colour;
+use crate::threshold::Thresholding;
 
 /// A stripe that was sampled. Its middle is `numerator / denominator / 2^Q` px from the ROI's middle, exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -227,7 +228,9 @@ impl<O: Observer> Sampler<'_, O> {
         // e 2^Q is at most 2^12, so the product is below 2^59.3. Rounding down does not change a comparison of integers.
         let unit = 1_i64 << subpixel_bits;
         let extent = (i64::from(self.hypothesis.extent()) * unit * denominator) >> 6;
-        let slack = if self.rule == CrossingRule::WholePixel { unit * denominator } else { 0 };
+        let by_rule = i64::from(self.rule == CrossingRule::WholePixel);
+        let by_light = i64::from(self.scan.thresholds.thresholding() == Thresholding::Local);
+        let slack = (by_rule + by_light) * unit * denominator;
         if largest > extent + slack { Err(HypothesisRefusal::Residual) } else { Ok(()) }
     }
 

@@ -1,7 +1,7 @@
 //! Crossings: where in an ROI the line passes the threshold (CROSS).
 
 use crate::hypotheses::Hypothesis;
-use crate::threshold::Threshold;
+use crate::threshold::Thresholded;
 
 /// Where a transition lies between its two pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,13 +30,13 @@ pub fn subpixel_bits(hypothesis: &Hypothesis) -> u32 {
 
 /// Column `z` of the transition between the pixels `i` and `i + 1` of an ROI, in units of `2^-Q` px.
 #[must_use]
-pub fn crossing(line: &[u8], threshold: &Threshold, rule: CrossingRule, roi: &Hypothesis, i: usize) -> i32 {
+pub fn crossing(line: &Thresholded<'_>, rule: CrossingRule, roi: &Hypothesis, i: usize) -> i32 {
     let unit = 1 << subpixel_bits(roi);
     let fraction = match rule {
         CrossingRule::Interpolated => {
-            let before = threshold.contrast(line[i]).abs();
-            let after = threshold.contrast(line[i + 1]).abs();
-            // Rounded half up; both contrasts cannot be 0, since the pixels differ in colour.
+            let before = line.contrast(i).abs();
+            let after = line.contrast(i + 1).abs();
+            // Rounded half up; both contrasts cannot be 0, since a black pixel's is below.
             (2 * unit * before + before + after) / (2 * (before + after))
         }
         CrossingRule::WholePixel => unit / 2,
@@ -53,6 +53,7 @@ fn signed(pixel: usize) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::threshold::Threshold;
 
     fn roi(first_pixel: usize, last_pixel: usize) -> Hypothesis {
         Hypothesis { first_region: 1, last_region: 1, first_pixel, last_pixel }
@@ -70,13 +71,25 @@ mod tests {
     #[test]
     fn crossings_are_interpolated_and_rounded_half_up() {
         let threshold = Threshold { darkest: 0, brightest: 200 };
+        let z = |line: &[u8], rule, roi: &Hypothesis| crossing(&Thresholded::global(line, threshold), rule, roi, 3);
         // Extent 63: Q = 6. From 200 (contrast 200) to 50 (contrast -100): 2/3 of the way is 42.67 units.
         let line = [&[200; 4][..], &[50; 70][..]].concat();
-        let z = |rule| crossing(&line, &threshold, rule, &roi(4, 66), 3);
-        assert_eq!(z(CrossingRule::Interpolated), 64 * (3 - 35) + 43);
-        assert_eq!(z(CrossingRule::WholePixel), 64 * (3 - 35) + 32);
+        assert_eq!(z(&line, CrossingRule::Interpolated, &roi(4, 66)), 64 * (3 - 35) + 43);
+        assert_eq!(z(&line, CrossingRule::WholePixel, &roi(4, 66)), 64 * (3 - 35) + 32);
         // Extent 64: Q = 5 and a middle on a half pixel. 1/64 of a pixel is half a unit and rounds up.
         let line = [[101; 4], [37; 4]].concat();
-        assert_eq!(crossing(&line, &threshold, CrossingRule::Interpolated, &roi(4, 67), 3), 16 * (6 - 71) + 1);
+        assert_eq!(z(&line, CrossingRule::Interpolated, &roi(4, 67)), 16 * (6 - 71) + 1);
+    }
+
+    /// The bar's first pixel has its own threshold: white to its right is 100, to its left also 200.
+    #[test]
+    fn each_pixel_has_its_own_threshold() {
+        // Pixels 0..4 of 200, then black of 20 to 66, then 100.
+        let line = [&[200; 4][..], &[20; 63], &[100; 13]].concat();
+        let local = Thresholded::local(&line);
+        // Pixel 3: high 200, low 20, since the pixel to its right counts for either window: T2 = 220 and a contrast of 180.
+        // Pixel 4: high 100, low 20, so T2 = 120 and a contrast of -80: the transition lies 9/13 of the way.
+        assert_eq!((local.contrast(3), local.contrast(4)), (180, -80));
+        assert_eq!(crossing(&local, CrossingRule::Interpolated, &roi(4, 66), 3), 64 * (3 - 35) + 44);
     }
 }

@@ -8,13 +8,16 @@ use crate::observer::Observer;
 use crate::refusal::HypothesisRefusal;
 use crate::regions::Colour;
 use crate::sampling::{Roi, sample};
+use crate::threshold::Thresholding;
 
-/// Most decoded ROIs of one format in one line (DECODE-2).
+/// Most decoded ROIs of one format in one line, by both thresholds together (DECODE-2).
 pub const MAX_LAYERS: usize = 8;
 
 /// A decoded ROI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecodedLayer {
+    /// The threshold by which it was found.
+    pub thresholding: Thresholding,
     /// The ROI.
     pub hypothesis: Hypothesis,
     /// `N_code` bits, the left-most stripe as the most significant.
@@ -29,9 +32,10 @@ pub fn decode<O: Observer>(
     camera: &Camera,
     observer: &mut O,
 ) -> Result<DecodedLayer, HypothesisRefusal> {
-    check(roi.hypothesis, roi.regions, roi.format)?;
+    check(roi.hypothesis, roi.regions, roi.format, roi.decoded_before)?;
     let stripes = sample(roi, observer)?;
     Ok(DecodedLayer {
+        thresholding: roi.line.thresholding(),
         hypothesis: *roi.hypothesis,
         half_word: half_word(roi.format, &stripes.colours),
         homography: stripes.homography.shifted(roi.hypothesis.middle() - camera.principal_column),

@@ -1,26 +1,20 @@
 //! The detector: all stages from two scan lines to camera poses (LINE).
 
+use crate::accept::View;
 use crate::camera::Camera;
 use crate::crossing::CrossingRule;
 use crate::decode::{DecodedLayer, MAX_LAYERS, decode};
-use crate::hypotheses::hypotheses;
+use crate::extents::{Extent, of_line};
+use crate::hypotheses::{Hypothesis, hypotheses};
 use crate::landmark::{Format, Landmark};
-use crate::merge::{Detection, merge, withdraw_ambiguous};
+use crate::merge::{Detection, merge, merge_extents, withdraw_ambiguous};
 use crate::observer::{Layer, Observer};
 use crate::refusal::LineRefusal;
 use crate::regions::{Region, regions};
 use crate::sampling::Roi;
-use crate::threshold::{Threshold, threshold};
+use crate::threshold::{Threshold, Thresholded, Thresholding, threshold};
 
-/// A line whose first two stages succeeded.
-struct Segmented<'a> {
-    layer: Layer,
-    line: &'a [u8],
-    threshold: Threshold,
-    regions: Vec<Region>,
-}
-
-/// The landmarks in two scan lines, looked for in the formats of `landmarks` (LINE-1 to LINE-4, MERGE-8). A format that
+/// The landmarks in two scan lines, looked for in the formats of `landmarks` (LINE-1 to LINE-5, MERGE-8). A format that
 /// is asked for again is ignored.
 pub fn detect<O: Observer>(
     upper: &[u8],
@@ -30,84 +24,146 @@ pub fn detect<O: Observer>(
     rule: CrossingRule,
     observer: &mut O,
 ) -> Vec<Detection> {
-    let upper = segment(Layer::Upper, upper, camera, observer);
-    let lower = segment(Layer::Lower, lower, camera, observer);
-    let mut detections = Vec::new();
-    let mut asked: Vec<Format> = Vec::new();
+    let mut asked: Vec<Landmark> = Vec::new();
     for landmark in landmarks {
-        if !asked.contains(&landmark.format) {
-            asked.push(landmark.format);
-            let mut search =
-                |line: &Option<Segmented<'_>>| layers(line.as_ref(), landmark.format, camera, rule, observer);
-            let (above, below) = (search(&upper), search(&lower));
-            merge(&above, &below, camera, landmark, &mut detections, observer);
+        if asked.iter().all(|before| before.format != landmark.format) {
+            asked.push(*landmark);
         }
+    }
+    let mut search = Search { camera, formats: asked.iter().map(|landmark| landmark.format).collect(), rule, observer };
+    let (above, below) = (search.line(Layer::Upper, upper), search.line(Layer::Lower, lower));
+    let mut detections = Vec::new();
+    for (i, landmark) in asked.iter().enumerate() {
+        let view = View { lines: [upper, lower], camera, landmark, rule };
+        let tried = merge(&above.found[i].layers, &below.found[i].layers, &view, &mut detections, observer);
+        let [dark_above, dark_below] = [above.extents(upper, landmark.format), below.extents(lower, landmark.format)];
+        merge_extents(&dark_above, &dark_below, &view, &mut detections, tried, observer);
     }
     withdraw_ambiguous(&detections, observer)
 }
 
-fn segment<'a, O: Observer>(layer: Layer, line: &'a [u8], camera: &Camera, observer: &mut O) -> Option<Segmented<'a>> {
-    let found = try_segment(layer, line, camera, observer);
-    found.map_err(|refusal| observer.line_refused(layer, refusal)).ok()
+/// The decoded ROIs of one line in one format, in the order of MERGE-6.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    layers: Vec<DecodedLayer>,
+    /// There were more than [`MAX_LAYERS`]: there are none, and the search has ended (DECODE-2).
+    crowded: bool,
 }
 
-fn try_segment<'a, O: Observer>(
-    layer: Layer,
-    line: &'a [u8],
-    camera: &Camera,
-    observer: &mut O,
-) -> Result<Segmented<'a>, LineRefusal> {
-    if line.len() != camera.width {
-        return Err(LineRefusal::Width);
+/// What a line gave.
+struct Searched {
+    /// The global threshold, `None` for a line that was refused.
+    threshold: Option<Threshold>,
+    /// Its layers by format.
+    found: Vec<Found>,
+}
+
+impl Searched {
+    fn extents(&self, line: &[u8], format: Format) -> Vec<Extent> {
+        self.threshold.map_or(Vec::new(), |threshold| of_line(line, &threshold, format))
     }
-    let threshold = threshold(line)?;
-    observer.threshold(layer, &threshold);
-    let regions = regions(line, &threshold)?;
-    observer.regions(layer, &regions);
-    Ok(Segmented { layer, line, threshold, regions })
 }
 
-/// All decoded ROIs of a line in one format; none if they are too many (DECODE-2).
-fn layers<O: Observer>(
-    line: Option<&Segmented<'_>>,
-    format: Format,
-    camera: &Camera,
+/// What is looked for, and how.
+struct Search<'a, O> {
+    camera: &'a Camera,
+    formats: Vec<Format>,
     rule: CrossingRule,
-    observer: &mut O,
-) -> Vec<DecodedLayer> {
-    let Some(Segmented { layer, line, threshold, regions }) = line else { return Vec::new() };
-    let mut layers = Vec::new();
-    for hypothesis in hypotheses(regions, format) {
-        observer.hypothesis(*layer, format, &hypothesis);
-        let roi = Roi { line, threshold, regions, hypothesis: &hypothesis, format, rule };
-        match decode(&roi, camera, observer) {
-            Err(refusal) => observer.refused(refusal),
-            Ok(_) if layers.len() == MAX_LAYERS => {
-                observer.line_refused(*layer, LineRefusal::TooManyLayers);
-                return Vec::new();
+    observer: &'a mut O,
+}
+
+impl<O: Observer> Search<'_, O> {
+    /// What a line gives in each format, first by its global threshold and then by its local one (LINE-5).
+    fn line(&mut self, layer: Layer, line: &[u8]) -> Searched {
+        let mut found = vec![Found::default(); self.formats.len()];
+        let threshold = match self.global_threshold(layer, line) {
+            Err(refusal) => {
+                self.observer.line_refused(layer, Thresholding::Global, refusal);
+                None
             }
-            Ok(decoded) => {
-                observer.decoded(&decoded);
-                layers.push(decoded);
+            Ok(threshold) => {
+                self.thresholded(layer, &Thresholded::global(line, threshold), &mut found);
+                self.thresholded(layer, &Thresholded::local(line), &mut found);
+                Some(threshold)
+            }
+        };
+        Searched { threshold, found }
+    }
+
+    fn global_threshold(&mut self, layer: Layer, line: &[u8]) -> Result<Threshold, LineRefusal> {
+        if line.len() != self.camera.width {
+            return Err(LineRefusal::Width);
+        }
+        let threshold = threshold(line)?;
+        self.observer.threshold(layer, &threshold);
+        Ok(threshold)
+    }
+
+    /// Adds what a line gives in each format by one of its thresholds.
+    fn thresholded(&mut self, layer: Layer, line: &Thresholded<'_>, found: &mut [Found]) {
+        let regions = match regions(line) {
+            Ok(regions) => regions,
+            Err(refusal) => return self.observer.line_refused(layer, line.thresholding(), refusal),
+        };
+        self.observer.regions(layer, line.thresholding(), &regions);
+        for (i, found) in found.iter_mut().enumerate().filter(|(_, found)| !found.crowded) {
+            if self.layers(layer, line, &regions, self.formats[i], &mut found.layers).is_err() {
+                self.observer.line_refused(layer, line.thresholding(), LineRefusal::TooManyLayers);
+                *found = Found { layers: Vec::new(), crowded: true };
             }
         }
     }
-    layers
+
+    /// Adds the decoded ROIs of one format by one threshold to those before, up to a ninth one (DECODE-2).
+    fn layers(
+        &mut self,
+        layer: Layer,
+        line: &Thresholded<'_>,
+        regions: &[Region],
+        format: Format,
+        layers: &mut Vec<DecodedLayer>,
+    ) -> Result<(), Crowded> {
+        let decoded_before: Vec<Hypothesis> = layers.iter().map(|layer| layer.hypothesis).collect();
+        for hypothesis in hypotheses(regions, format) {
+            self.observer.hypothesis(layer, line.thresholding(), format, &hypothesis);
+            let (hypothesis, decoded_before) = (&hypothesis, &decoded_before);
+            let roi = Roi { line, regions, hypothesis, decoded_before, format, rule: self.rule };
+            match decode(&roi, self.camera, self.observer) {
+                Err(refusal) => self.observer.refused(refusal),
+                Ok(_) if layers.len() == MAX_LAYERS => return Err(Crowded),
+                Ok(decoded) => {
+                    self.observer.decoded(&decoded);
+                    layers.push(decoded);
+                }
+            }
+        }
+        Ok(())
+    }
 }
+
+/// A ninth layer of one line and format.
+struct Crowded;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::codeword;
+    use crate::merge::Decoder;
     use crate::observer::Silent;
+    use crate::refusal::HypothesisRefusal;
 
     /// Two white lines with landmarks whose stripes are 1.5 px wide; half a pixel of black is 128, which is white.
     fn lines(landmarks: &[(u32, usize)]) -> [Vec<u8>; 2] {
+        striped(landmarks, 3)
+    }
+
+    /// Two white lines with landmarks whose stripes are `halves` half pixels wide.
+    fn striped(landmarks: &[(u32, usize)], halves: usize) -> [Vec<u8>; 2] {
         let mut lines = [vec![255_u8; 480], vec![255_u8; 480]];
         for &(payload, first) in landmarks {
             let layers = codeword::layers(Format::Paper, payload).unwrap();
             for (line, stripes) in lines.iter_mut().zip(layers) {
-                for half in (0..3 * stripes.len()).filter(|half| stripes[half / 3]) {
+                for half in (0..halves * stripes.len()).filter(|half| stripes[half / halves]) {
                     let pixel = &mut line[first + half / 2];
                     *pixel = if *pixel == 255 { 128 } else { 0 };
                 }
@@ -137,7 +193,8 @@ mod tests {
         #[derive(Default)]
         struct Heard(Vec<(Layer, Option<LineRefusal>)>);
         impl Observer for Heard {
-            fn line_refused(&mut self, layer: Layer, refusal: LineRefusal) {
+            fn line_refused(&mut self, layer: Layer, thresholding: Thresholding, refusal: LineRefusal) {
+                assert_eq!(thresholding, Thresholding::Global);
                 self.0.push((layer, Some(refusal)));
             }
             fn decoded(&mut self, _: &DecodedLayer) {
@@ -160,5 +217,137 @@ mod tests {
         let twice = [Format::Paper, Format::Wide, Format::Paper].map(Landmark::new);
         assert_eq!(payloads(&lines, &twice), [0x1234]);
         assert_eq!(payloads(&lines, &[]), []);
+    }
+
+    /// What the search reports, in order.
+    #[derive(Clone, Debug, PartialEq)]
+    enum Event {
+        Threshold(Layer),
+        Regions(Layer, Thresholding),
+        Refused(Layer, Thresholding, LineRefusal),
+        Hypothesis(Layer, Thresholding, Format),
+        Repeated,
+        Decoded(Thresholding),
+    }
+
+    #[derive(Default)]
+    struct Events(Vec<Event>);
+
+    impl Observer for Events {
+        fn threshold(&mut self, layer: Layer, _: &Threshold) {
+            self.0.push(Event::Threshold(layer));
+        }
+        fn regions(&mut self, layer: Layer, thresholding: Thresholding, _: &[Region]) {
+            self.0.push(Event::Regions(layer, thresholding));
+        }
+        fn line_refused(&mut self, layer: Layer, thresholding: Thresholding, refusal: LineRefusal) {
+            self.0.push(Event::Refused(layer, thresholding, refusal));
+        }
+        fn hypothesis(&mut self, layer: Layer, thresholding: Thresholding, format: Format, _: &Hypothesis) {
+            self.0.push(Event::Hypothesis(layer, thresholding, format));
+        }
+        fn refused(&mut self, refusal: HypothesisRefusal) {
+            if refusal == HypothesisRefusal::Repeated {
+                self.0.push(Event::Repeated);
+            }
+        }
+        fn decoded(&mut self, layer: &DecodedLayer) {
+            self.0.push(Event::Decoded(layer.thresholding));
+        }
+    }
+
+    fn events([upper, lower]: &[Vec<u8>; 2], formats: &[Format]) -> (Vec<Detection>, Vec<Event>) {
+        let landmarks: Vec<Landmark> = formats.iter().copied().map(Landmark::new).collect();
+        let mut heard = Events::default();
+        let found = detect(upper, lower, &Camera::epuck(), &landmarks, CrossingRule::Interpolated, &mut heard);
+        (found, heard.0)
+    }
+
+    #[test]
+    fn each_line_is_searched_in_all_formats_globally_and_then_locally() {
+        use Event::{Decoded, Hypothesis, Regions, Repeated, Threshold};
+        use Format::{Paper, Wide};
+        use Layer::{Lower, Upper};
+        use Thresholding::{Global, Local};
+        // A payload whose stripes are no layer of `wide`, however much its transitions may be off.
+        let (found, heard) = events(&lines(&[(0x2d5a, 100)]), &[Wide, Paper]);
+        let expected = [Upper, Lower].into_iter().flat_map(|layer| {
+            vec![
+                Threshold(layer),
+                Regions(layer, Global),
+                Hypothesis(layer, Global, Wide),
+                Hypothesis(layer, Global, Paper),
+                Decoded(Global),
+                Regions(layer, Local),
+                Hypothesis(layer, Local, Wide),
+                Hypothesis(layer, Local, Paper),
+                Repeated,
+            ]
+        });
+        assert_eq!(heard, expected.collect::<Vec<_>>());
+        let read: Vec<_> = found.iter().map(|d| (d.payload, d.decoder)).collect();
+        assert_eq!(read, [(0x2d5a, Decoder::Threshold)]);
+    }
+
+    /// A shadow from `column` on: white is 63 there, half a pixel of black 38, which is white, and black 12, all less than the
+    /// mean of black and white in the light.
+    fn shade(lines: &mut [Vec<u8>; 2], column: usize) {
+        for line in lines {
+            line[column..].iter_mut().for_each(|pixel| *pixel = u8::try_from((u32::from(*pixel) + 64) / 5).unwrap());
+        }
+    }
+
+    #[test]
+    fn what_the_global_threshold_loses_in_a_shadow_the_local_one_reads() {
+        let mut lines = striped(&[(0x1234, 50), (0x1235, 250)], 8);
+        shade(&mut lines, 160);
+        let (found, heard) = events(&lines, &PAPER);
+        let read: Vec<_> = found.iter().map(|d| (d.payload, d.decoder)).collect();
+        assert_eq!(read, [(0x1234, Decoder::Threshold), (0x1235, Decoder::Threshold)]);
+        let decoded_by = |by| heard.iter().filter(|event| **event == Event::Decoded(by)).count();
+        assert_eq!((decoded_by(Thresholding::Global), decoded_by(Thresholding::Local)), (2, 2));
+        assert_eq!(heard.iter().filter(|event| **event == Event::Repeated).count(), 2);
+    }
+
+    /// Both thresholds together: four in the light and four or five in the shadow.
+    #[test]
+    fn nine_layers_by_both_thresholds_are_too_many() {
+        let row = |count: u32| {
+            let mut lines = lines(&(0..count).map(|i| (0x1234 + i, 10 + 52 * i as usize)).collect::<Vec<_>>());
+            shade(&mut lines, 10 + 52 * 4 - 10);
+            events(&lines, &PAPER)
+        };
+        let (_, heard) = row(8);
+        assert_eq!(heard.iter().filter(|event| matches!(event, Event::Decoded(_))).count(), 2 * 8);
+        let (nine, heard) = row(9);
+        assert_eq!(nine, []);
+        let refused = |layer| Event::Refused(layer, Thresholding::Local, LineRefusal::TooManyLayers);
+        let refusals: Vec<_> = heard.iter().filter(|event| matches!(event, Event::Refused(..))).cloned().collect();
+        assert_eq!(refusals, [refused(Layer::Upper), refused(Layer::Lower)]);
+    }
+
+    /// Nine in even light: the search by the local threshold does not begin in that format.
+    #[test]
+    fn a_crowded_format_is_not_searched_by_the_local_threshold() {
+        let crowd = lines(&(0..9).map(|i| (0x1234 + i, 10 + 52 * i as usize)).collect::<Vec<_>>());
+        let (_, heard) = events(&crowd, &PAPER);
+        assert!(heard.contains(&Event::Refused(Layer::Upper, Thresholding::Global, LineRefusal::TooManyLayers)));
+        assert!(heard.contains(&Event::Regions(Layer::Upper, Thresholding::Local)));
+        assert!(!heard.contains(&Event::Hypothesis(Layer::Upper, Thresholding::Local, Format::Paper)));
+    }
+
+    /// A landmark in the light, and in the dark 140 bars of 1 px which only the local threshold tells apart.
+    #[test]
+    fn too_many_regions_by_one_threshold_leave_the_other() {
+        let mut fence = lines(&[(0x1234, 20)]);
+        for line in &mut fence {
+            line[190..470].fill(60);
+            (190..470).step_by(2).for_each(|i| line[i] = 30);
+        }
+        let (found, heard) = events(&fence, &PAPER);
+        assert_eq!(found.iter().map(|d| d.payload).collect::<Vec<_>>(), [0x1234]);
+        let refused = |layer| Event::Refused(layer, Thresholding::Local, LineRefusal::TooManyRegions);
+        let refusals: Vec<_> = heard.iter().filter(|event| matches!(event, Event::Refused(..))).cloned().collect();
+        assert_eq!(refusals, [refused(Layer::Upper), refused(Layer::Lower)]);
     }
 }

@@ -29,6 +29,12 @@ impl Hypothesis {
         self.last_pixel + 1 - self.first_pixel
     }
 
+    /// Whether it shares a pixel with another ROI of the same line.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.first_pixel <= other.last_pixel && other.first_pixel <= self.last_pixel
+    }
+
     /// Its middle, pixels, a multiple of one half.
     #[must_use]
     pub fn middle(&self) -> f64 {
@@ -75,10 +81,17 @@ fn grow(regions: &[Region], free: &[bool], seed: usize, format: Format) -> Hypot
     }
 }
 
-/// HYPO-6 to HYPO-11
-pub fn check(hypothesis: &Hypothesis, regions: &[Region], format: Format) -> Result<(), HypothesisRefusal> {
+/// HYPO-6 to HYPO-12. `decoded_before` are, for an ROI of the local threshold, those of the same line that the global one
+/// decoded in the same format; for one of the global threshold there are none.
+pub fn check(
+    hypothesis: &Hypothesis,
+    regions: &[Region],
+    format: Format,
+    decoded_before: &[Hypothesis],
+) -> Result<(), HypothesisRefusal> {
     let bars = (hypothesis.last_region - hypothesis.first_region) / 2 + 1;
     let checks = [
+        (decoded_before.iter().any(|before| hypothesis.overlaps(before)), HypothesisRefusal::Repeated),
         (bars < 2 * GUARD_PAIRS, HypothesisRefusal::TooFewBars),
         (bars > format.stripes() / 2, HypothesisRefusal::TooManyBars),
         (hypothesis.first_region == 0 || hypothesis.last_region + 1 == regions.len(), HypothesisRefusal::CutOff),
@@ -93,7 +106,7 @@ pub fn check(hypothesis: &Hypothesis, regions: &[Region], format: Format) -> Res
 
 /// HYPO-9; a white region that reaches an end of the line may be any part of a quiet zone.
 fn has_quiet_zones(hypothesis: &Hypothesis, regions: &[Region], format: Format) -> bool {
-    let wide_enough = |i: usize| regions[i].width() * format.stripes() >= hypothesis.extent();
+    let wide_enough = |i: usize| (regions[i].width() + 1) * format.stripes() >= 2 * hypothesis.extent();
     let left = hypothesis.first_region <= 1 || wide_enough(hypothesis.first_region - 1);
     let right = hypothesis.last_region + 2 >= regions.len() || wide_enough(hypothesis.last_region + 1);
     left && right
@@ -151,7 +164,7 @@ mod tests {
     fn checks_are_applied_in_order() {
         let outcome = |widths: &[usize], first, last| {
             let regions = alternating(widths);
-            check(&Hypothesis::new(&regions, first, last), &regions, Format::Paper)
+            check(&Hypothesis::new(&regions, first, last), &regions, Format::Paper, &[])
         };
         let bars = |n: usize, margin: usize| {
             let mut widths = vec![margin];
@@ -172,5 +185,22 @@ mod tests {
         // N = 20: 25 px are enough.
         assert_eq!(outcome(&[9, 4, 4, 4, 4, 4, 2, 3, 9], 1, 7), Ok(()));
         assert_eq!(outcome(&[9, 4, 4, 4, 4, 4, 2, 2, 9], 1, 7), Err(HypothesisRefusal::TooNarrow));
+    }
+
+    #[test]
+    fn what_shares_a_pixel_with_a_decoded_roi_is_repeated() {
+        // Bars of 4 px from 20 to 47; with the third bar as its last one the ROI is also too small.
+        let regions = alternating(&[20, 4, 4, 4, 4, 4, 4, 4, 20]);
+        let before = |first_pixel, last_pixel| Hypothesis { first_region: 1, last_region: 1, first_pixel, last_pixel };
+        let outcome =
+            |last, decoded: &[Hypothesis]| check(&Hypothesis::new(&regions, 1, last), &regions, Format::Paper, decoded);
+        assert_eq!(outcome(7, &[before(0, 19), before(48, 60)]), Ok(()));
+        assert_eq!(outcome(7, &[before(48, 60), before(0, 20)]), Err(HypothesisRefusal::Repeated));
+        assert_eq!(outcome(7, &[before(47, 60)]), Err(HypothesisRefusal::Repeated));
+        assert_eq!(outcome(7, &[before(30, 31)]), Err(HypothesisRefusal::Repeated));
+        assert_eq!(outcome(7, &[before(0, 479)]), Err(HypothesisRefusal::Repeated));
+        // The first of all checks.
+        assert_eq!(outcome(5, &[]), Err(HypothesisRefusal::TooFewBars));
+        assert_eq!(outcome(5, &[before(30, 31)]), Err(HypothesisRefusal::Repeated));
     }
 }

@@ -32,12 +32,18 @@
 //! # Ok::<(), reference::codeword::EncodeRefusal>(())
 //! ```
 
+pub mod accept;
 pub mod area;
+pub mod bound;
 pub mod camera;
 pub mod codeword;
+pub mod covariance;
 pub mod crossing;
 pub mod decode;
 pub mod detect;
+pub mod edge;
+pub mod extents;
+pub mod fit;
 pub mod frame;
 pub mod grid;
 pub mod homography;
@@ -53,3 +59,4 @@ pub mod regression;
 pub mod render;
 pub mod sampling;
 pub mod threshold;
+pub mod trellis;

@@ -1,32 +1,141 @@
-//! Both layers together: code word, payload, one homography (MERGE).
+//! Both layers together: code word, payload, detection (MERGE).
 
-use crate::camera::Camera;
+use crate::accept::{Accepted, AcceptedFit, View, accept, accept_fit};
 use crate::codeword;
 use crate::decode::DecodedLayer;
+use crate::extents::{Extent, MAX_PAIRS, Pair, extents};
+use crate::fit::FitLayer;
 use crate::frame::{self, Pose};
 use crate::homography::Homography;
-use crate::landmark::{Format, Landmark};
+use crate::landmark::{Format, stripes};
 use crate::observer::Observer;
-use crate::pose::pose;
+use crate::refusal::{CandidateRefusal, PairRefusal};
+use crate::threshold::Thresholding;
+use crate::trellis::{self, Settled};
+use nalgebra::Matrix3;
 
 /// Largest difference in pixels between the ends of two layers of one barcode (MERGE-1).
 pub const MERGE_DISTANCE: usize = 3;
 
+/// Most detections of two scan lines (MERGE-10).
+pub const MAX_DETECTIONS: usize = 8;
+
+/// How a code word was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Decoder {
+    /// By sampling what a threshold left (SAMPLE).
+    Threshold,
+    /// As the most likely one (TRELLIS).
+    Trellis,
+}
+
+/// What a pose was computed from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Estimator {
+    /// The fit to the grey levels (FIT).
+    Fit,
+    /// The transitions, as in the paper (ACCEPT-10).
+    Paper,
+}
+
+/// One layer of a landmark: where it was read, and what it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// First pixel of its ROI or extent.
+    pub first_pixel: usize,
+    /// Last pixel of its ROI or extent.
+    pub last_pixel: usize,
+    /// `N_code` bits, the left-most stripe as the most significant.
+    pub half_word: u32,
+}
+
+impl Reading {
+    fn of_layer(layer: &DecodedLayer) -> Self {
+        let (first_pixel, last_pixel) = (layer.hypothesis.first_pixel, layer.hypothesis.last_pixel);
+        Self { first_pixel, last_pixel, half_word: layer.half_word }
+    }
+
+    fn of_extent(extent: &Extent, half_word: u32) -> Self {
+        Self { first_pixel: extent.first, last_pixel: extent.last, half_word }
+    }
+
+    fn extent(&self) -> Extent {
+        Extent { first: self.first_pixel, last: self.last_pixel }
+    }
+
+    fn shares_a_pixel_with(&self, first: usize, last: usize) -> bool {
+        self.first_pixel <= last && first <= self.last_pixel
+    }
+}
+
 /// A landmark that was found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Detection {
     /// Its format.
     pub format: Format,
     /// Its payload.
     pub payload: u32,
+    /// How it was read.
+    pub decoder: Decoder,
     /// The upper layer.
-    pub upper: DecodedLayer,
+    pub upper: Reading,
     /// The lower layer.
-    pub lower: DecodedLayer,
-    /// The merged homography (MERGE-4).
+    pub lower: Reading,
+    /// The fitted homography, or the merged one (MERGE-4).
     pub homography: Homography,
-    /// The camera's pose in the landmark's frame.
+    /// The fit, `None` for the paper's estimate (ACCEPT-10).
+    pub fit: Option<AcceptedFit>,
+    /// The camera's pose in the landmark's frame (COV-4).
     pub camera_in_landmark: Pose<frame::Landmark, frame::Camera>,
+    /// The covariance of its `(x, y, θ)`, metres and radians squared (COV-4, COV-5).
+    pub covariance: Matrix3<f64>,
+}
+
+impl Detection {
+    /// What its pose was computed from.
+    #[must_use]
+    pub fn estimator(&self) -> Estimator {
+        if self.fit.is_some() { Estimator::Fit } else { Estimator::Paper }
+    }
+}
+
+/// A code word on its way to a detection.
+struct Candidate {
+    format: Format,
+    payload: u32,
+    decoder: Decoder,
+    upper: Reading,
+    lower: Reading,
+}
+
+impl Candidate {
+    /// MERGE-9, MERGE-10
+    fn conclude<O: Observer>(
+        self,
+        result: Result<Accepted, CandidateRefusal>,
+        detections: &mut Vec<Detection>,
+        observer: &mut O,
+    ) {
+        let Self { format, payload, decoder, upper, lower } = self;
+        let room = detections.len() < MAX_DETECTIONS;
+        match result.and_then(|accepted| if room { Ok(accepted) } else { Err(CandidateRefusal::TooMany) }) {
+            Err(refusal) => observer.candidate_refused(format, decoder, refusal),
+            Ok(Accepted { homography, fit, pose }) => {
+                let (camera_in_landmark, covariance) = (pose.camera_in_landmark, pose.covariance);
+                detections.push(Detection {
+                    format,
+                    payload,
+                    decoder,
+                    upper,
+                    lower,
+                    homography,
+                    fit,
+                    camera_in_landmark,
+                    covariance,
+                });
+            }
+        }
+    }
 }
 
 /// MERGE-1
@@ -36,29 +145,102 @@ pub fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer) -> bool {
     u.first_pixel.abs_diff(l.first_pixel) <= MERGE_DISTANCE && u.last_pixel.abs_diff(l.last_pixel) <= MERGE_DISTANCE
 }
 
-/// Pairs the layers of one format, which come in the order of their seeds (MERGE-6), and adds what they say to the
-/// detections, in the order of the upper layers and then of the lower ones (MERGE-5).
+/// Pairs the layers of one format, which come in the order of MERGE-6, and adds what they say to the
+/// detections, in the order of the upper layers and then of the lower ones (MERGE-5). The result is the number of pairs
+/// that were decided again (TRELLIS-9).
 pub fn merge<O: Observer>(
     upper: &[DecodedLayer],
     lower: &[DecodedLayer],
-    camera: &Camera,
-    landmark: &Landmark,
+    view: &View<'_>,
+    detections: &mut Vec<Detection>,
+    observer: &mut O,
+) -> usize {
+    let (format, decoder) = (view.landmark.format, Decoder::Threshold);
+    let mut tried = 0;
+    for one in upper {
+        for other in lower.iter().filter(|other| belong_together(one, other)) {
+            // MERGE-2, MERGE-3
+            let result = codeword::decode(format, one.half_word, other.half_word);
+            let (upper, lower) = (Reading::of_layer(one), Reading::of_layer(other));
+            observer.pair(format, decoder, &upper, &lower, result);
+            if let Ok(payload) = result {
+                let accepted = accept([one, other], view, observer);
+                Candidate { format, payload, decoder, upper, lower }.conclude(accepted, detections, observer);
+            } else if result == Err(PairRefusal::Crc) && tried < MAX_PAIRS && shadowed([one, other]) {
+                tried += 1;
+                let pair = [upper.extent(), lower.extent()];
+                let half_words = [upper.half_word, lower.half_word];
+                let start = one.homography.mean(&other.homography);
+                let settled = trellis::decode_again(&pair, half_words, &start, view, observer);
+                conclude_settled(&pair, settled, view, detections, observer);
+            }
+        }
+    }
+    tried
+}
+
+/// Whether a pair of layers may have been misread at the edge of a shadow (TRELLIS-9).
+fn shadowed(layers: [&DecodedLayer; 2]) -> bool {
+    layers.iter().any(|layer| layer.thresholding == Thresholding::Local)
+}
+
+/// A pair of extents or of ROIs whose half words have settled, or why they have not (TRELLIS-8).
+fn conclude_settled<O: Observer>(
+    pair: &Pair,
+    settled: Result<Settled, CandidateRefusal>,
+    view: &View<'_>,
     detections: &mut Vec<Detection>,
     observer: &mut O,
 ) {
-    let format = landmark.format;
-    for upper in upper {
-        for lower in lower.iter().filter(|lower| belong_together(upper, lower)) {
-            // MERGE-2, MERGE-3
-            let payload = codeword::decode(format, upper.half_word, lower.half_word);
-            observer.pair(format, upper, lower, payload);
-            let Ok(payload) = payload else { continue };
-            // MERGE-4
-            let homography = upper.homography.mean(&lower.homography);
-            let camera_in_landmark = pose(&homography, camera, landmark);
-            let (upper, lower) = (*upper, *lower);
-            detections.push(Detection { format, payload, upper, lower, homography, camera_in_landmark });
+    let (format, decoder) = (view.landmark.format, Decoder::Trellis);
+    let settled = match settled {
+        Ok(settled) => settled,
+        Err(refusal) => return observer.candidate_refused(format, decoder, refusal),
+    };
+    let [above, below] = settled.half_words;
+    let (upper, lower) = (Reading::of_extent(&pair[0], above), Reading::of_extent(&pair[1], below));
+    let result = codeword::decode(format, above, below);
+    observer.pair(format, decoder, &upper, &lower, result);
+    if let Ok(payload) = result {
+        let colours = settled.half_words.map(|word| stripes(format, word));
+        let layers = [0, 1].map(|i| FitLayer {
+            line: view.lines[i],
+            first_pixel: pair[i].first,
+            last_pixel: pair[i].last,
+            stripes: &colours[i],
+        });
+        let accepted = accept_fit(&layers, settled.fitted, decoder, view, observer);
+        Candidate { format, payload, decoder, upper, lower }.conclude(accepted, detections, observer);
+    }
+}
+
+/// Pairs the extents of both lines and adds what they say to the detections (EXTENT-4 to EXTENT-7, TRELLIS-8), after
+/// `tried` other pairs.
+pub fn merge_extents<O: Observer>(
+    upper: &[Extent],
+    lower: &[Extent],
+    view: &View<'_>,
+    detections: &mut Vec<Detection>,
+    mut tried: usize,
+    observer: &mut O,
+) {
+    let format = view.landmark.format;
+    for pair in extents(upper, lower) {
+        // EXTENT-5
+        let taken = |found: &Detection| {
+            found.upper.shares_a_pixel_with(pair[0].first, pair[0].last)
+                || found.lower.shares_a_pixel_with(pair[1].first, pair[1].last)
+        };
+        if detections.iter().any(taken) {
+            continue;
         }
+        if tried == MAX_PAIRS {
+            break;
+        }
+        tried += 1;
+        observer.extents(format, &pair);
+        let settled = trellis::decode(&pair, view, observer);
+        conclude_settled(&pair, settled, view, detections, observer);
     }
 }
 
@@ -70,7 +252,7 @@ pub fn withdraw_ambiguous<O: Observer>(detections: &[Detection], observer: &mut 
             observer.ambiguous(detection);
         } else {
             observer.detection(detection);
-            kept.push(*detection);
+            kept.push(detection.clone());
         }
     }
     kept
@@ -78,19 +260,23 @@ pub fn withdraw_ambiguous<O: Observer>(detections: &[Detection], observer: &mut 
 
 /// Whether two detections read the same place as different formats (MERGE-7).
 fn contradict(one: &Detection, other: &Detection) -> bool {
-    let (a, b) = (&one.upper.hypothesis, &other.upper.hypothesis);
-    one.format != other.format && a.first_pixel <= b.last_pixel && b.first_pixel <= a.last_pixel
+    one.format != other.format && one.upper.shares_a_pixel_with(other.upper.first_pixel, other.upper.last_pixel)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Camera;
+    use crate::crossing::CrossingRule;
     use crate::hypotheses::Hypothesis;
+    use crate::landmark::Landmark;
     use crate::observer::Silent;
+    use crate::threshold::Thresholding;
 
     fn layer(first_pixel: usize, last_pixel: usize, half_word: u32) -> DecodedLayer {
         let hypothesis = Hypothesis { first_region: 1, last_region: 9, first_pixel, last_pixel };
-        DecodedLayer { hypothesis, half_word, homography: Homography { a: 1.0, s: 20.0, k: 0.1 } }
+        let homography = Homography { a: 1.0, s: 20.0, k: 0.02 };
+        DecodedLayer { thresholding: Thresholding::Global, hypothesis, half_word, homography }
     }
 
     #[test]
@@ -102,8 +288,10 @@ mod tests {
 
     fn merged(upper: &DecodedLayer, lower: &DecodedLayer) -> Vec<Detection> {
         let mut found = Vec::new();
-        let (camera, landmark) = (Camera::epuck(), Landmark::new(Format::Paper));
-        merge(&[*upper], &[*lower], &camera, &landmark, &mut found, &mut Silent);
+        let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
+        // Lines without a grey pixel cannot be fitted (FIT-5).
+        let view = View { lines: [&[255; 480]; 2], camera, landmark, rule: CrossingRule::WholePixel };
+        merge(&[*upper], &[*lower], &view, &mut found, &mut Silent);
         found
     }
 
@@ -111,11 +299,11 @@ mod tests {
     fn a_pair_gives_payload_and_mean_homography() {
         let (upper, lower) = codeword::encode(Format::Paper, 0xcc0d).unwrap();
         let mut second = layer(100, 160, lower);
-        second.homography = Homography { a: 2.0, s: 22.0, k: 0.2 };
+        second.homography = Homography { a: 2.0, s: 22.0, k: 0.04 };
         let found = merged(&layer(100, 160, upper), &second);
         let Homography { a, s, k } = found[0].homography;
         assert_eq!(found[0].payload, 0xcc0d);
-        assert!((a - 1.5).abs() < 1e-15 && (s - 21.0).abs() < 1e-14 && (k - 0.15).abs() < 1e-15);
+        assert!((a - 1.5).abs() < 1e-15 && (s - 21.0).abs() < 1e-14 && (k - 0.03).abs() < 1e-15);
         assert!(merged(&layer(100, 160, upper ^ 1), &second).is_empty());
         assert!(merged(&layer(104, 160, upper), &second).is_empty());
     }
@@ -125,10 +313,13 @@ mod tests {
         Detection {
             format,
             payload: 1,
-            upper: layer(upper.0, upper.1, 0),
-            lower: layer(lower.0, lower.1, 0),
-            homography: Homography { a: 1.0, s: 20.0, k: 0.1 },
+            decoder: Decoder::Threshold,
+            upper: Reading { first_pixel: upper.0, last_pixel: upper.1, half_word: 0 },
+            lower: Reading { first_pixel: lower.0, last_pixel: lower.1, half_word: 0 },
+            homography: Homography { a: 1.0, s: 20.0, k: 0.02 },
+            fit: None,
             camera_in_landmark: Pose::new(0.3, 0.0, 0.0),
+            covariance: Matrix3::identity(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// Why a scan line gives no layers.
+/// Why a scan line gives no layers, no ROIs by one of its thresholds, or no layers of one format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineRefusal {
     /// LINE-2
@@ -18,6 +18,8 @@ pub enum LineRefusal {
 /// Why an ROI gives no layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HypothesisRefusal {
+    /// HYPO-12
+    Repeated,
     /// HYPO-6
     TooFewBars,
     /// HYPO-7
@@ -39,12 +41,46 @@ pub enum HypothesisRefusal {
 }
 
 /// Why a pair of layers gives no detection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PairRefusal {
     /// CODE-7
     EqualHalves,
     /// CODE-8
     Crc,
+}
+
+/// Why a fit has no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FitRefusal {
+    /// FIT-12
+    TooFewPixels,
+    /// FIT-13
+    NotConverged,
+}
+
+/// Why a candidate is no detection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CandidateRefusal {
+    /// TRELLIS-7
+    Unsettled,
+    /// ACCEPT-11
+    NoFit,
+    /// ACCEPT-2
+    Disagree,
+    /// ACCEPT-3
+    Oblique,
+    /// ACCEPT-4
+    Contrast,
+    /// ACCEPT-5
+    Blur,
+    /// ACCEPT-6
+    Misfit,
+    /// ACCEPT-7
+    Margin,
+    /// ACCEPT-12
+    Undetermined,
+    /// MERGE-10
+    TooMany,
 }
 
 impl fmt::Display for LineRefusal {
@@ -61,6 +97,7 @@ impl fmt::Display for LineRefusal {
 impl fmt::Display for HypothesisRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Repeated => "the global threshold has read it already",
             Self::TooFewBars => "it has fewer bars than the guards",
             Self::TooManyBars => "it has more bars than the format",
             Self::CutOff => "it is cut off at an end of the line",
@@ -79,6 +116,32 @@ impl fmt::Display for PairRefusal {
         f.write_str(match self {
             Self::EqualHalves => "both layers are the same",
             Self::Crc => "the check byte is wrong",
+        })
+    }
+}
+
+impl fmt::Display for FitRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TooFewPixels => "there are too few pixels between black and white",
+            Self::NotConverged => "it has not converged",
+        })
+    }
+}
+
+impl fmt::Display for CandidateRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unsettled => "its most likely code word keeps changing",
+            Self::NoFit => "no barcode can be fitted to its pixels",
+            Self::Disagree => "its layers are not seen from one place",
+            Self::Oblique => "no camera sees a barcode as obliquely as that",
+            Self::Contrast => "its layers have no contrast, or not the same",
+            Self::Blur => "it is more blurred than a barcode can be read",
+            Self::Misfit => "a barcode does not explain its pixels",
+            Self::Margin => "another code word explains its pixels almost as well",
+            Self::Undetermined => "the heading from which it is seen is undetermined",
+            Self::TooMany => "the image has more than 8 detections",
         })
     }
 }

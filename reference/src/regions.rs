@@ -1,9 +1,9 @@
 //! Regions of one colour, after the contrast filter (REGION).
 
 use crate::refusal::LineRefusal;
-use crate::threshold::Threshold;
+use crate::threshold::Thresholded;
 
-/// Most regions of a line (REGION-5).
+/// Most regions of a line by one threshold (REGION-5).
 pub const MAX_REGIONS: usize = 255;
 
 /// The colour of a region.
@@ -34,11 +34,12 @@ impl Region {
     }
 }
 
-/// The regions of a line from left to right; they alternate in colour and cover it (REGION-2 to REGION-5).
-pub fn regions(line: &[u8], threshold: &Threshold) -> Result<Vec<Region>, LineRefusal> {
-    let raw = raw_regions(line, threshold);
-    let distinct = |region: &Region| line[region.first..=region.last].iter().any(|&p| threshold.is_distinct(p));
-    // The brightest and the darkest pixel are distinct, so this finds one.
+/// The regions of a line by one of its thresholds, from left to right; they alternate in colour and cover it (REGION-2 to
+/// REGION-5).
+pub fn regions(line: &Thresholded<'_>) -> Result<Vec<Region>, LineRefusal> {
+    let raw = raw_regions(line);
+    let distinct = |region: &Region| (region.first..=region.last).any(|i| line.is_distinct(i));
+    // The line's brightest pixel is distinct by either threshold, so this finds one.
     let mut colour = raw.iter().find(|region| distinct(region)).map_or(Colour::White, |region| region.colour);
     let mut regions: Vec<Region> = Vec::new();
     for region in raw {
@@ -54,10 +55,10 @@ pub fn regions(line: &[u8], threshold: &Threshold) -> Result<Vec<Region>, LineRe
 }
 
 /// REGION-1
-fn raw_regions(line: &[u8], threshold: &Threshold) -> Vec<Region> {
+fn raw_regions(line: &Thresholded<'_>) -> Vec<Region> {
     let mut raw: Vec<Region> = Vec::new();
-    for (i, &pixel) in line.iter().enumerate() {
-        let colour = if threshold.is_black(pixel) { Colour::Black } else { Colour::White };
+    for i in 0..line.width() {
+        let colour = if line.is_black(i) { Colour::Black } else { Colour::White };
         match raw.last_mut() {
             Some(last) if last.colour == colour => last.last = i,
             _ => raw.push(Region { colour, first: i, last: i }),
@@ -71,9 +72,16 @@ mod tests {
     use super::*;
     use crate::threshold::threshold;
 
+    fn global(line: &[u8]) -> Thresholded<'_> {
+        Thresholded::global(line, threshold(line).unwrap())
+    }
+
+    fn places(regions: &[Region]) -> Vec<(Colour, usize, usize)> {
+        regions.iter().map(|r| (r.colour, r.first, r.last)).collect()
+    }
+
     fn found(line: &[u8]) -> Vec<(Colour, usize, usize)> {
-        let threshold = threshold(line).unwrap();
-        regions(line, &threshold).unwrap().iter().map(|r| (r.colour, r.first, r.last)).collect()
+        places(&regions(&global(line)).unwrap())
     }
 
     use Colour::{Black, White};
@@ -104,7 +112,31 @@ mod tests {
     fn more_than_255_regions_are_refused() {
         let line = |n: usize| (0..n).map(|i| if i % 2 == 0 { 200 } else { 40 }).collect::<Vec<u8>>();
         assert_eq!(found(&line(255)).len(), 255);
-        let long = line(256);
-        assert_eq!(regions(&long, &threshold(&long).unwrap()), Err(LineRefusal::TooManyRegions));
+        assert_eq!(regions(&Thresholded::local(&line(255))).unwrap().len(), 255);
+        assert_eq!(regions(&global(&line(256))), Err(LineRefusal::TooManyRegions));
+        // By the local threshold a bar at the end of the line has no white to its right: 257 regions end with a space.
+        let long = line(257);
+        assert_eq!(regions(&Thresholded::local(&long)), Err(LineRefusal::TooManyRegions));
+    }
+
+    /// A step from 200 down to 90: at its right nothing is bright, at its left nothing dark, to both sides.
+    #[test]
+    fn by_the_local_threshold_a_line_may_be_all_white() {
+        let step = [[200; 240], [90; 240]].concat();
+        assert_eq!(found(&step), [(White, 0, 239), (Black, 240, 479)]);
+        assert_eq!(places(&regions(&Thresholded::local(&step)).unwrap()), [(White, 0, 479)]);
+    }
+
+    /// Range 160 about 120 between the bars: 115 is weak and joins what is at its left.
+    #[test]
+    fn the_filter_takes_the_local_range() {
+        let mut line = [[200; 240], [67; 240]].concat();
+        line[200..204].fill(40);
+        line[208..212].fill(40);
+        line[206] = 115;
+        line[300..304].fill(13);
+        let local = places(&regions(&Thresholded::local(&line)).unwrap());
+        let expected = [(200, 203), (208, 211), (300, 303)];
+        assert_eq!(local.iter().filter(|r| r.0 == Black).map(|r| (r.1, r.2)).collect::<Vec<_>>(), expected);
     }
 }

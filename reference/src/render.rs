@@ -49,26 +49,51 @@ pub struct Clutter {
 pub struct Light {
     /// Factor on every grey level, nominally 1.
     pub exposure: f64,
-    /// Change from the left end of the line to the right one, relative to the middle, from -1 to 1.
+    /// Change from the left end of the line to the right one, relative to the middle, above -2 and below 2: the ends differ
+    /// by `(2 + gradient) : (2 - gradient)`, 4:1 at 1.2.
     pub gradient: f64,
     /// Grey level of a white wall in the middle of the line at exposure 1.
     pub white: f64,
     /// Grey level of ink in the middle of the line at exposure 1.
     pub black: f64,
+    /// Where the light is another one, if anywhere.
+    pub patch: Option<Patch>,
+}
+
+/// A part of the line that light or shadow falls on, in both rows: a shadow's edge, a reflection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Column at which it begins; minus infinity where it comes from beyond the image.
+    pub left: f64,
+    /// Column at which it ends, not below `left`; infinity where it goes on beyond the image.
+    pub right: f64,
+    /// Factor on the grey levels, 0 or more: below 1 in a shadow.
+    pub factor: f64,
+}
+
+impl Patch {
+    /// What it multiplies a pixel by, of which it covers a share.
+    fn on(&self, pixel: usize) -> f64 {
+        let middle = pixel as f64;
+        let share = (self.right.min(middle + 0.5) - self.left.max(middle - 0.5)).max(0.0);
+        1.0 + (self.factor - 1.0) * share
+    }
 }
 
 impl Default for Light {
     /// Even light at exposure 1 on a white of 200 and a black of 40 grey levels.
     fn default() -> Self {
-        Self { exposure: 1.0, gradient: 0.0, white: 200.0, black: 40.0 }
+        Self { exposure: 1.0, gradient: 0.0, white: 200.0, black: 40.0, patch: None }
     }
 }
 
 impl Light {
-    /// The grey level of a pixel covered by `ink`, at `place` from 0 at the line's left end to 1 at its right one
-    /// (RENDER-4).
-    fn grey(&self, ink: f64, place: f64) -> f64 {
-        self.exposure * (1.0 + self.gradient * (place - 0.5)) * (self.white - (self.white - self.black) * ink)
+    /// The grey level of a pixel covered by `ink` in a line of the given width (RENDER-4).
+    fn grey(&self, ink: f64, pixel: usize, width: usize) -> f64 {
+        let place = pixel as f64 / (width as f64 - 1.0);
+        let patch = self.patch.map_or(1.0, |patch| patch.on(pixel));
+        let light = self.exposure * (1.0 + self.gradient * (place - 0.5)) * patch;
+        light * (self.white - (self.white - self.black) * ink)
     }
 }
 
@@ -104,8 +129,7 @@ pub fn render<R: Rng + ?Sized>(camera: &Camera, scene: &Scene, rng: &mut R) -> R
 /// seen from behind, or if one of its edges is not in front of the camera. The same goes for clutter and its edges.
 pub fn render_radiance(camera: &Camera, scene: &Scene) -> Result<[Vec<f64>; 2], EncodeRefusal> {
     let ink = ink(camera, scene)?;
-    let last = camera.width as f64 - 1.0;
-    let shade = |(i, ink): (usize, f64)| scene.light.grey(ink.clamp(0.0, 1.0), i as f64 / last);
+    let shade = |(i, ink): (usize, f64)| scene.light.grey(ink.clamp(0.0, 1.0), i, camera.width);
     Ok(ink.map(|line| line.into_iter().enumerate().map(shade).collect()))
 }
 
@@ -493,12 +517,52 @@ mod tests {
     #[test]
     fn light_is_exposure_times_a_gradient_about_the_middle() {
         let mut scene = frontal(0.3, 0.0);
-        scene.light = Light { exposure: 0.5, gradient: 0.2, white: 210.0, black: 30.0 };
+        scene.light = Light { exposure: 0.5, gradient: 0.2, white: 210.0, black: 30.0, patch: None };
         let [upper, _] = radiance(&scene);
         assert_pixels(&upper, &[(0, 105.0 * 0.9), (479, 105.0 * 1.1)]);
         assert!((f64::midpoint(upper[100], upper[379]) - 105.0).abs() < 1e-9);
         // Ink has the same factors.
         assert_pixels(&upper, &[(209, 15.0 * (1.0 + 0.2 * (209.0 / 479.0 - 0.5)))]);
+    }
+
+    #[test]
+    fn the_lights_ends_may_differ_by_four_to_one() {
+        for (gradient, ends) in [(1.2, (40.0, 160.0)), (-1.2, (160.0, 40.0))] {
+            let mut scene = empty(0.0, 0.0);
+            scene.light = Light { exposure: 0.5, gradient, ..Light::default() };
+            for line in radiance(&scene) {
+                assert_pixels(&line, &[(0, ends.0), (479, ends.1)]);
+            }
+        }
+    }
+
+    /// A pixel reaches half a pixel to either side of its number; the landmark's ink and a gradient are under the patch.
+    #[test]
+    fn a_patch_covers_shares_of_pixels() {
+        let mut scene = frontal(0.3, 0.0);
+        let plain = radiance(&scene);
+        let mut shares = |left: f64, right: f64| {
+            scene.light.patch = Some(Patch { left, right, factor: 0.5 });
+            let patched = radiance(&scene);
+            let share = |i: usize| {
+                let [upper, lower] = [0, 1].map(|row: usize| 2.0 * (1.0 - patched[row][i] / plain[row][i]));
+                assert!((upper - lower).abs() < 1e-12);
+                upper
+            };
+            (0..480).map(share).enumerate().filter(|(_, share)| share.abs() > 1e-12).collect::<Vec<_>>()
+        };
+        let near = |found: &[(usize, f64)], expected: &[(usize, f64)]| {
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(expected) {
+                assert!(found.0 == expected.0 && (found.1 - expected.1).abs() < 1e-12, "{found:?} for {expected:?}");
+            }
+        };
+        near(&shares(209.75, 212.0), &[(210, 0.75), (211, 1.0), (212, 0.5)]);
+        near(&shares(300.0, 300.25), &[(300, 0.25)]);
+        near(&shares(f64::NEG_INFINITY, 1.0), &[(0, 1.0), (1, 0.5)]);
+        near(&shares(478.25, f64::INFINITY), &[(478, 0.25), (479, 1.0)]);
+        assert_eq!(shares(f64::NEG_INFINITY, f64::INFINITY).len(), 480);
+        near(&shares(500.0, f64::INFINITY), &[]);
     }
 
     /// The mean and standard deviation of 960 * 200 pixels; rounding adds a variance of 1/12.

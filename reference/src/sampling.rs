@@ -7,7 +7,7 @@ use crate::landmark::{Format, GUARD_PAIRS};
 use crate::observer::Observer;
 use crate::refusal::HypothesisRefusal;
 use crate::regions::{Colour, Region};
-use crate::threshold::Threshold;
+use crate::threshold::{Thresholded, Thresholding};
 
 /// Declared error of the float64 arithmetic up to a stripe's middle, pixels, and up to `k` (SAMPLE-4).
 ///
@@ -43,14 +43,14 @@ pub struct Residual {
 /// A scan line with what is known about it, and the ROI to be sampled.
 #[derive(Clone, Copy, Debug)]
 pub struct Roi<'a> {
-    /// Grey values.
-    pub line: &'a [u8],
-    /// Its threshold.
-    pub threshold: &'a Threshold,
-    /// Its regions.
+    /// Grey values and threshold.
+    pub line: &'a Thresholded<'a>,
+    /// Its regions by that threshold.
     pub regions: &'a [Region],
     /// The ROI among them.
     pub hypothesis: &'a Hypothesis,
+    /// What the global threshold decoded in this line and format, if the ROI is one of the local threshold (HYPO-12).
+    pub decoded_before: &'a [Hypothesis],
     /// The format that is looked for.
     pub format: Format,
     /// Where transitions lie.
@@ -73,7 +73,7 @@ impl Roi<'_> {
 
     /// The transition from `region` to the next one on its right, as the edge left of stripe `j`.
     fn transition(&self, region: usize, j: usize) -> Crossing {
-        let column = crossing(self.line, self.threshold, self.rule, self.hypothesis, self.regions[region].last);
+        let column = crossing(self.line, self.rule, self.hypothesis, self.regions[region].last);
         Crossing { edge: self.edge(j), column }
     }
 
@@ -165,10 +165,11 @@ impl<'o, O: Observer> Improving<'o, O> {
             self.homography.residual(coordinate(roi.format, crossing.edge), f64::from(crossing.column) / unit)
         };
         let differences = self.crossings.windows(3).map(|three| (residual(&three[0]) - residual(&three[2])).abs());
-        let slack = if roi.rule == CrossingRule::WholePixel { 1.0 } else { 0.0 };
+        let slack = [roi.rule == CrossingRule::WholePixel, roi.line.thresholding() == Thresholding::Local]
+            .map(|adds| if adds { 1.0 } else { 0.0 });
         let found = Residual {
             difference: differences.fold(0.0, f64::max),
-            limit: roi.hypothesis.extent() as f64 / 64.0 + slack,
+            limit: roi.hypothesis.extent() as f64 / 64.0 + slack[0] + slack[1],
         };
         self.observer.residual(&found);
         if found.difference > found.limit + DECLARED_ERROR { Err(HypothesisRefusal::Residual) } else { Ok(()) }

@@ -6,9 +6,13 @@
 //! that kind: it is how near to a boundary its decisions are not trusted, a worst case of float64 that is not met.
 
 use crate::port::{Cameras, stripe_width_error};
-use crate::trace::{HomographyTrace, PoseTrace};
+use crate::trace::{DetectionFit, DetectionTrace, FitTrace, HomographyTrace, LightTrace, PoseTrace};
 use core::f64::consts::PI;
-use reference::landmark::Landmark;
+use reference::accept::Test;
+use reference::frame::wrap;
+use reference::homography::Homography;
+use reference::landmark::{Format, Landmark};
+use reference::refusal::CandidateRefusal;
 pub use reference::sampling::DECLARED_ERROR;
 use serde::Serialize;
 
@@ -45,14 +49,38 @@ pub enum Stage {
     Obliquity,
     /// Half words.
     Decode,
-    /// Pairs, payloads, refusals, detections and their order.
+    /// Pairs of layers, payloads, refusals, detections and their order.
     Merge,
+    /// Pairs of extents that are tried.
+    Extents,
+    /// Whether a pair becomes a detection, by which decoder and estimator.
+    Accept,
+    /// Pixels that a detection's fit used, and where its light steps.
+    FitPixels,
+    /// `a` of a detection's fit.
+    FitCentre,
+    /// `s` of a detection's fit.
+    FitHalfWidth,
+    /// `k` of a detection's fit.
+    FitObliquity,
+    /// Blur of a detection's fit.
+    FitBlur,
+    /// Offsets, gains and their changes of a detection's fit.
+    FitLight,
+    /// `s²` of a detection's fit, relative.
+    FitVariance,
+    /// Covariance of `(a, s, k)` of a detection's fit, relative to the standard deviations.
+    FitCovariance,
+    /// Decision margin of a detection's fit, relative.
+    Margin,
     /// x of the camera in the landmark's frame.
     PoseX,
     /// y of the camera in the landmark's frame.
     PoseY,
     /// Heading of the camera in the landmark's frame.
     PoseTheta,
+    /// Covariance of a pose, relative to the standard deviations.
+    PoseCovariance,
 }
 
 /// A row of the table.
@@ -75,7 +103,7 @@ const fn row(stage: Stage, name: &'static str, class: Class, unit: &'static str,
 }
 
 /// The table, in the order of the stages.
-pub const TABLE: [Row; 13] = [
+pub const TABLE: [Row; 25] = [
     row(Stage::Threshold, "threshold", Class::Exact, "", "integers in both pipelines"),
     row(Stage::Regions, "regions", Class::Exact, "", "integers in both pipelines"),
     row(Stage::Hypotheses, "hypotheses", Class::Exact, "", "integers in both pipelines"),
@@ -92,22 +120,34 @@ pub const TABLE: [Row; 13] = [
     row(Stage::Obliquity, "homography.obliquity", Class::Bounded, "1", "rounding of K/D"),
     row(Stage::Decode, "decode", Class::Exact, "", "follows from sampling"),
     row(Stage::Merge, "merge", Class::Exact, "", "follows from decode"),
+    row(Stage::Extents, "extents", Class::Exact, "", "integers in both pipelines; follows from the detections before"),
+    row(Stage::Accept, "acceptance", Class::Marginal, "", "bounds of what is tested, beside its limit (SAME-5)"),
+    row(Stage::FitPixels, "fit.pixels", Class::Marginal, "", "integers; a step of light may tie (FIT-15)"),
+    row(Stage::FitCentre, "fit.centre", Class::Bounded, "px", FIT),
+    row(Stage::FitHalfWidth, "fit.half_width", Class::Bounded, "px", FIT),
+    row(Stage::FitObliquity, "fit.obliquity", Class::Bounded, "1", FIT),
+    row(Stage::FitBlur, "fit.blur", Class::Bounded, "px", FIT),
     row(
-        Stage::PoseX,
-        "pose.x",
+        Stage::FitLight,
+        "fit.light",
         Class::Bounded,
-        "m",
-        "homography's bounds through (9), rounding of quotient and product",
+        "grey level",
+        "rounding of a step, and the model's at either end",
     ),
-    row(
-        Stage::PoseY,
-        "pose.y",
-        Class::Bounded,
-        "m",
-        "homography's bounds through (9), rounding of quotient and product",
-    ),
-    row(Stage::PoseTheta, "pose.theta", Class::Bounded, "rad", "homography's bounds through (9), CORDIC"),
+    row(Stage::FitVariance, "fit.variance", Class::Bounded, "share", "rounding of residuals, five standard deviations"),
+    row(Stage::FitCovariance, "fit.covariance", Class::Bounded, "share", "rounding of derivatives; that of s²"),
+    row(Stage::Margin, "margin", Class::Bounded, "share", "rounding of residuals and changes; the blur's bound"),
+    row(Stage::PoseX, "pose.x", Class::Bounded, "m", POSE),
+    row(Stage::PoseY, "pose.y", Class::Bounded, "m", POSE),
+    row(Stage::PoseTheta, "pose.theta", Class::Bounded, "rad", POSE),
+    row(Stage::PoseCovariance, "pose.covariance", Class::Bounded, "share", "those of (a, s, k) and of its covariance"),
 ];
+
+/// Origin of the bounds on a fit: five standard deviations, since roundings of tens of pixels add up like noise.
+const FIT: &str = "rounding of residuals and derivatives, five standard deviations; FIT-11's stop; formats";
+
+/// Origin of the bounds on a pose.
+const POSE: &str = "those of the fit and its covariance, or of the homography through (9); formats";
 
 impl Stage {
     /// Its row of the table.
@@ -117,6 +157,216 @@ impl Stage {
     #[must_use]
     pub fn row(self) -> &'static Row {
         TABLE.iter().find(|row| row.stage == self).expect("the table has a row for every stage")
+    }
+}
+
+/// Rounding errors of many pixels add up like noise; five standard deviations are met once in 1.7 million.
+const DEVIATIONS: f64 = 5.0;
+
+/// What `s²` may differ by, relative, where one pipeline stops a step before the other: it is that of the last step's
+/// equations (FIT-11), in which a layer's own four parameters have yet to follow, each by up to half a standard deviation:
+/// 8/4 of `s²`, of at least 100 degrees of freedom down to 1.25 px per stripe less those of saturated pixels.
+pub const ANOTHER_STEP: f64 = 0.02;
+
+/// What the stop of FIT-11 may leave between two pipelines, in standard deviations: the last step of one is at most 1/30, and
+/// a further one of the other at most a twelfth of that.
+const STOP: f64 = 1.0 / 400.0;
+
+/// Bounds on a detection's fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitBounds {
+    /// On `a`, `s`, `k`.
+    pub homography: HomographyTrace,
+    /// The part of them that is in standard deviations.
+    pub share: f64,
+    /// On the blur, pixels.
+    pub blur: f64,
+    /// On offsets, gains and their changes, grey levels.
+    pub light: f64,
+    /// On `s²`, relative.
+    pub variance: f64,
+    /// On the covariance, relative to the standard deviations.
+    pub covariance: f64,
+    /// On the decision margin, relative.
+    pub margin: f64,
+}
+
+/// What the rounding of a fit depends on.
+struct Rounding {
+    /// Standard deviation of a pixel about its model, grey levels.
+    noise: f64,
+    /// Pixels.
+    pixels: f64,
+    /// Standard deviation of a residual's rounding, grey levels.
+    residual: f64,
+    /// That of a derivative's rounding to 10 bits, as a share of what decides on a parameter.
+    derivative: f64,
+}
+
+/// The standard deviation of what rounding to a multiple of `unit` does.
+fn rounded(unit: f64) -> f64 {
+    unit / 12.0_f64.sqrt()
+}
+
+impl Rounding {
+    fn of(fit: &DetectionFit, h: &HomographyTrace) -> Self {
+        let noise = fit.variance.sqrt();
+        let most = |of: fn(&LightTrace) -> f64| fit.lights.iter().map(of).fold(0.0, f64::max);
+        let gain = most(|light| light.levels[1].abs() + light.levels[3].abs());
+        let slope = most(|light| light.levels[2].abs() + light.levels[3].abs());
+        // The model's product and both changes with λ have 8 fraction bits, λ has 12; the ink goes into it with 16, from
+        // boundaries with 14, by twelve roundings to 16.
+        let terms = [
+            3.0_f64.sqrt() * rounded(ulp(8)),
+            slope * rounded(ulp(12)),
+            2.0_f64.sqrt() * gain * rounded(ulp(16)),
+            12.0_f64.sqrt() * gain * rounded(ulp(16)),
+        ];
+        let residual = terms.iter().map(|term| term * term).sum::<f64>().sqrt();
+        Self { noise, pixels: fit.degrees_of_freedom + 12.0, residual, derivative: derivative(fit, h, gain, noise) }
+    }
+
+    /// How far the minimum moves, in standard deviations: an error of `ε` in every pixel, independent of each other, moves it
+    /// by `ε/s`, and one of `δ` in the derivatives by `δ` times the residuals, with 4 bits more than those of the matrix.
+    fn share(&self) -> f64 {
+        DEVIATIONS * (self.residual / self.noise + self.derivative * self.pixels.sqrt() * ulp(4)) + STOP
+    }
+
+    /// On `s²`, relative: `Σ 2 r ε` of `Σ r²`, and the errors' own squares, among them those of light with 8 fraction bits.
+    fn variance(&self) -> f64 {
+        let light = 2.0 * rounded(ulp(8));
+        let own = (self.residual * self.residual + light * light) / (self.noise * self.noise);
+        2.0 * DEVIATIONS * self.residual / (self.noise * self.pixels.sqrt()) + own + ulp(16) / self.noise.powi(2)
+    }
+}
+
+/// The rounding of derivatives in units of 10 bits of the largest gain, carried to the covariance of `(a, s, k)` and the
+/// blur. With the column `j` of a parameter, of which `s/σ` is left when it is freed of the others, a change `δ` of it changes
+/// the inverse by `2 δ σ/s` of itself. Columns count from the window's middle, which is about the barcode's image.
+fn derivative(fit: &DetectionFit, h: &HomographyTrace, gain: f64, noise: f64) -> f64 {
+    let unit = 2.0_f64.powf(gain.log2().floor() + 1.0 - 10.0);
+    // Derivatives by `a` are up to `1/(1 - |k|)`, and have as many bits fewer; those by `k` as the half width is wide.
+    let growth = match h.k.abs() {
+        k if k <= 1.0 / 16.0 => 1.0,
+        k if k <= 0.5 => 2.0,
+        _ => 4.0,
+    };
+    let origin = (h.a - h.s * h.k) / (1.0 - h.k * h.k);
+    let c = &fit.covariance;
+    let half_width = c[(1, 1)] - 2.0 * origin * c[(1, 2)] + origin * origin * c[(2, 2)];
+    let reach = 2.0_f64.powf((h.s / (1.0 - h.k.abs())).log2().floor() + 1.0);
+    let squares = growth * growth * (c[(0, 0)] + half_width.max(0.0) + reach * reach * c[(2, 2)]);
+    rounded(unit) * (squares + fit.blur_deviation.powi(2)).sqrt() / noise
+}
+
+/// Bounds on the fit of a detection of the reference.
+///
+/// Without noise a standard deviation is none: but `σ/s` is what the geometry makes of a grey level, so that `σ` times
+/// `ε/s` is an absolute bound, whatever the noise. Formats: half units of 2^-20 px, of 2^-30 and, for the blur, of the
+/// edge's 2^-15 px; the camera's principal column.
+#[must_use]
+pub fn fit(cameras: &Cameras, format: Format, fit: &DetectionFit, h: &HomographyTrace) -> FitBounds {
+    let rounding = Rounding::of(fit, h);
+    let share = rounding.share();
+    let deviation = |i: usize| fit.covariance[(i, i)].sqrt();
+    let column = cameras.configuration_error().principal_column;
+    let variance = rounding.variance();
+    let blur = share * fit.blur_deviation + ulp(15);
+    // A pixel's change `d`, of up to three stripes, and its residual `r` have 6 fraction bits each, and `Σ (d² - 2 r d)`, about `Σ d²`, changes with
+    // them by `Σ 2 (d - r) δd - 2 d δr`. Stripes of `w` px, alternately changed, lose `exp(-π² σ²/w²)` of their square to blur.
+    let change = (3.0_f64.sqrt() * rounded(ulp(6))).hypot(rounding.residual);
+    let width = 2.0 * h.s / format.stripes() as f64;
+    let by_blur = 2.0 * PI * PI * fit.blur / (width * width);
+    let margin = 8.0_f64.sqrt() * DEVIATIONS * change / fit.margin.max(1.0).sqrt() + by_blur * blur;
+    FitBounds {
+        homography: HomographyTrace {
+            a: share * deviation(0) + ulp(20) + column,
+            s: share * deviation(1) + ulp(19) + h.k.abs() * column,
+            k: share * deviation(2) + ulp(30),
+        },
+        share,
+        blur,
+        // Four parameters of 8 fraction bits each.
+        light: DEVIATIONS * rounding.residual + 4.0 * ulp(8),
+        variance,
+        // The elimination has 30 bits, for matrices of a condition of up to 2^20.
+        covariance: 2.0 * DEVIATIONS * rounding.derivative + variance + ulp(10),
+        margin,
+    }
+}
+
+/// How near to each other the sums of squares of two places of a step of light must be to be taken for one another, squared
+/// grey levels.
+///
+/// Between two places that leave the same sum about two residuals trade places, `2 s²`. The port's inks have 10 fraction bits
+/// there, and the start may be a fiftieth of a standard deviation off in each of its four parameters.
+#[must_use]
+pub fn step_lead(fit: &FitTrace) -> f64 {
+    let gain = fit.lights.iter().map(|light| light.levels[1].abs()).fold(0.0, f64::max);
+    let noise = fit.variance.sqrt();
+    2.0 * 2.0_f64.sqrt() * noise * (DEVIATIONS * gain * rounded(ulp(10)) + 2.0 / 50.0 * noise)
+}
+
+/// Whether the light of a fit might as well have stepped elsewhere (FIT-15).
+#[must_use]
+pub fn is_tied(fit: &FitTrace) -> bool {
+    fit.step_lead <= step_lead(fit)
+}
+
+/// How far a guard fit's start is moved to see whether it decides, pixels (SAME-5). The port's derivatives have 10 bits, and
+/// where guards are not explained to 30 to 50 grey levels a first step is uncertain by 10 px: 1 in 200 of it.
+pub const GUARD_START: f64 = 1.0 / 20.0;
+
+/// Bounds on the pose of a fitted detection: its displacement in standard deviations, the covariance's share of what the
+/// bend moves the mean by (COV-2), and formats of 2^-24 m and 2^-31 π; focal length and stripe width.
+#[must_use]
+pub fn pose_of_fit(
+    cameras: &Cameras,
+    landmark: &Landmark,
+    detection: &DetectionTrace,
+    bounds: &FitBounds,
+) -> PoseTrace {
+    let DetectionTrace { homography: HomographyTrace { a, s, k }, pose: mean, .. } = *detection;
+    let middle = reference::pose::pose(&Homography { a, s, k }, &cameras.reference, landmark);
+    let moved = [mean.x - middle.x(), mean.y - middle.y(), wrap(mean.theta - middle.theta())];
+    let deviation = |i: usize| (bounds.share * detection.covariance[(i, i)].sqrt()).hypot(bounds.covariance * moved[i]);
+    let f = cameras.configuration_error().focal_length / cameras.reference.focal_length;
+    let scale = 2.0 * f + stripe_width_error(landmark) / landmark.stripe_width;
+    PoseTrace {
+        x: deviation(0) + scale * detection.pose.x.abs() + ulp(24),
+        y: deviation(1) + scale * detection.pose.y.abs() + f * detection.pose.x.abs() + ulp(24),
+        theta: deviation(2) + f + 0.55 * PI * ulp(31) + PI * ulp(31),
+    }
+}
+
+/// Bound on the covariance of a pose, relative to the standard deviations.
+///
+/// That of (11) has variances that are exact to 2^-12 and change by 25.7 times the distance's error, and the same in the
+/// square of the heading's share.
+#[must_use]
+pub fn pose_covariance(detection: &DetectionTrace, fit: Option<&FitBounds>, pose: &PoseTrace) -> f64 {
+    if let Some(fit) = fit {
+        fit.covariance + fit.share
+    } else {
+        let distance = detection.pose.x.hypot(detection.pose.y);
+        let error = pose.x + pose.y;
+        ulp(12) + 25.7 * error + 2.0 * error / distance + pose.theta
+    }
+}
+
+/// By how much a test of ACCEPT may come nearer to its limit or beyond, as a share of the larger of both.
+#[must_use]
+pub fn test(test: &Test, fit: Option<&FitBounds>) -> f64 {
+    let Some(fit) = fit else { return ulp(18) };
+    match test.refusal {
+        CandidateRefusal::Blur => fit.blur / test.limit,
+        CandidateRefusal::Misfit => fit.variance + fit.light / test.limit.sqrt(),
+        CandidateRefusal::Margin => fit.margin,
+        CandidateRefusal::Contrast => 2.0 * fit.light / test.limit.abs().min(test.value.abs()),
+        CandidateRefusal::Undetermined => fit.covariance,
+        // The obliquity is as uncertain as a quarter of its limit at the most (COV-4).
+        CandidateRefusal::Oblique => fit.share,
+        _ => ulp(18),
     }
 }
 

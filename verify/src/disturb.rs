@@ -2,8 +2,9 @@
 
 use crate::bounds::{DECLARED_ERROR, Stage};
 use crate::lockstep::Setting;
-use crate::trace::{Outcome, Trace};
-use reference::refusal::HypothesisRefusal;
+use crate::trace::{Outcome, Trace, TrialTrace};
+use reference::merge::Decoder;
+use reference::refusal::{CandidateRefusal, HypothesisRefusal};
 
 /// A change to the port's trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,11 +43,39 @@ pub enum Disturbance {
     PoseY,
     /// The heading is off by more than its bound.
     PoseTheta,
+    /// A pair of extents ends one pixel later.
+    Extents,
+    /// A fit has one degree of freedom more.
+    FitPixels,
+    /// `a` of a fit is off by more than its bound.
+    FitCentre,
+    /// `s` of a fit is off by more than its bound.
+    FitHalfWidth,
+    /// `k` of a fit is off by more than its bound.
+    FitObliquity,
+    /// The blur is off by more than its bound.
+    FitBlur,
+    /// An offset is off by more than its bound.
+    FitLight,
+    /// `s²` is off by more than its bound.
+    FitVariance,
+    /// The covariance of `(a, s, k)` is off by more than its bound.
+    FitCovariance,
+    /// The decision margin is off by more than its bound.
+    Margin,
+    /// A detection has no fit.
+    Estimator,
+    /// The covariance of a pose is off by more than its bound.
+    PoseCovariance,
+    /// What this decoder read is refused although the reference accepts it.
+    Rejected(Decoder),
+    /// What this decoder read is accepted although the reference refuses it.
+    Extra(Decoder),
 }
 
 impl Disturbance {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 33] = [
         Self::Threshold,
         Self::Regions,
         Self::Hypotheses,
@@ -64,6 +93,22 @@ impl Disturbance {
         Self::PoseX,
         Self::PoseY,
         Self::PoseTheta,
+        Self::Extents,
+        Self::FitPixels,
+        Self::FitCentre,
+        Self::FitHalfWidth,
+        Self::FitObliquity,
+        Self::FitBlur,
+        Self::FitLight,
+        Self::FitVariance,
+        Self::FitCovariance,
+        Self::Margin,
+        Self::Rejected(Decoder::Threshold),
+        Self::Rejected(Decoder::Trellis),
+        Self::Extra(Decoder::Threshold),
+        Self::Extra(Decoder::Trellis),
+        Self::Estimator,
+        Self::PoseCovariance,
     ];
 
     /// The stage whose result it changes.
@@ -83,6 +128,18 @@ impl Disturbance {
             Self::PoseX => Stage::PoseX,
             Self::PoseY => Stage::PoseY,
             Self::PoseTheta => Stage::PoseTheta,
+            Self::Extents => Stage::Extents,
+            Self::FitPixels => Stage::FitPixels,
+            Self::FitCentre => Stage::FitCentre,
+            Self::FitHalfWidth => Stage::FitHalfWidth,
+            Self::FitObliquity => Stage::FitObliquity,
+            Self::FitBlur => Stage::FitBlur,
+            Self::FitLight => Stage::FitLight,
+            Self::FitVariance => Stage::FitVariance,
+            Self::FitCovariance => Stage::FitCovariance,
+            Self::Margin => Stage::Margin,
+            Self::PoseCovariance => Stage::PoseCovariance,
+            Self::Rejected(_) | Self::Extra(_) | Self::Estimator => Stage::Accept,
         }
     }
 
@@ -107,6 +164,22 @@ impl Disturbance {
             Self::PoseX => "x beyond the bound",
             Self::PoseY => "y beyond the bound",
             Self::PoseTheta => "heading beyond the bound",
+            Self::Extents => "a pair of extents 1 px wider",
+            Self::FitPixels => "a fit of one pixel more",
+            Self::FitCentre => "a fit's centre beyond the bound",
+            Self::FitHalfWidth => "a fit's half width beyond the bound",
+            Self::FitObliquity => "a fit's obliquity beyond the bound",
+            Self::FitBlur => "a fit's blur beyond the bound",
+            Self::FitLight => "a fit's offset beyond the bound",
+            Self::FitVariance => "a fit's variance beyond the bound",
+            Self::FitCovariance => "a fit's covariance beyond the bound",
+            Self::Margin => "a decision margin beyond the bound",
+            Self::Rejected(Decoder::Threshold) => "a candidate of the threshold refused",
+            Self::Rejected(Decoder::Trellis) => "a candidate of the trellis refused",
+            Self::Extra(Decoder::Threshold) => "a candidate of the threshold accepted",
+            Self::Extra(Decoder::Trellis) => "a candidate of the trellis accepted",
+            Self::Estimator => "the paper's estimate instead of a fit",
+            Self::PoseCovariance => "a pose's covariance beyond the bound",
         }
     }
 
@@ -114,10 +187,12 @@ impl Disturbance {
     #[must_use]
     pub fn is_scaled(self) -> bool {
         use Disturbance as D;
-        matches!(
+        let before = matches!(
             self,
             D::Middle | D::Residual | D::Centre | D::HalfWidth | D::Obliquity | D::PoseX | D::PoseY | D::PoseTheta
-        )
+        );
+        let fitted = matches!(self, D::FitCentre | D::FitHalfWidth | D::FitObliquity | D::FitBlur | D::FitLight);
+        before || fitted || matches!(self, D::FitVariance | D::FitCovariance | D::Margin | D::PoseCovariance)
     }
 
     /// Changes the port's trace where it can; a scaled disturbance puts the result at `share` times the bound from the
@@ -127,9 +202,10 @@ impl Disturbance {
             Self::Threshold => change(port.lines.iter_mut().find_map(|line| line.threshold.as_mut()), |threshold| {
                 threshold.0 = threshold.0.wrapping_add(1);
             }),
-            Self::Regions => change(port.lines.iter_mut().find_map(|line| line.regions.as_mut()), |(_, firsts)| {
-                firsts.iter_mut().skip(1).take(1).for_each(|first| *first += 1);
-            }),
+            Self::Regions => {
+                let mut regions = port.lines.iter_mut().flat_map(|line| &mut line.regions);
+                change(regions.find_map(|regions| regions.firsts.get_mut(1)), |first| *first += 1)
+            }
             Self::Hypotheses => change(port.hypotheses.first_mut(), |roi| roi.pixels.1 += 1),
             Self::Crossings => {
                 let roi = port.hypotheses.iter_mut().find(|roi| !roi.crossings.is_empty());
@@ -143,7 +219,30 @@ impl Disturbance {
             }
             Self::Payload => change(port.detections.first_mut(), |found| found.payload ^= 1),
             Self::Missing => port.detections.pop().is_some(),
-            Self::PoseX | Self::PoseY | Self::PoseTheta => self.apply_to_pose(setting, share, reference, port),
+            Self::PoseX | Self::PoseY | Self::PoseTheta | Self::PoseCovariance => {
+                self.apply_to_pose(setting, share, reference, port)
+            }
+            Self::Extents => {
+                let tried = |trial: &&mut TrialTrace| trial.decoder == Decoder::Trellis && trial.accepted().is_none();
+                change(port.trials.iter_mut().find(tried), |trial| trial.pixels[1].1 += 1)
+            }
+            Self::Rejected(decoder) => {
+                let accepted = |trial: &&mut TrialTrace| trial.accepted().is_some_and(|(by, _)| by == decoder);
+                change(port.trials.iter_mut().find(accepted), |trial| {
+                    trial.refusal = Some((decoder, CandidateRefusal::Margin));
+                })
+            }
+            Self::Extra(decoder) => {
+                let refused = |trial: &&mut TrialTrace| trial.decoder == decoder && trial.accepted().is_none();
+                change(port.trials.iter_mut().find(refused), |trial| {
+                    trial.refusal = None;
+                    trial.readings.push((decoder, Ok(0)));
+                })
+            }
+            Self::Estimator => change(port.detections.iter_mut().find(|found| found.fit.is_some()), |found| {
+                found.fit = None;
+            }),
+            _ => self.apply_to_fit(setting, share, reference, port),
         }
     }
 
@@ -190,8 +289,32 @@ impl Disturbance {
         false
     }
 
+    fn apply_to_fit(self, setting: &Setting, share: f64, reference: &Trace, port: &mut Trace) -> bool {
+        let both = reference.detections.iter().zip(&mut port.detections);
+        let fitted = both.into_iter().find_map(|(r, p)| {
+            let bounds = setting.fit_bounds(r)?;
+            Some((r.homography, r.fit?, bounds, &mut p.homography, p.fit.as_mut()?))
+        });
+        change(fitted, |(h, fit, bounds, homography, p)| match self {
+            Self::FitPixels => p.degrees_of_freedom += 1.0,
+            Self::FitCentre => homography.a = h.a + share * bounds.homography.a,
+            Self::FitHalfWidth => homography.s = h.s + share * bounds.homography.s,
+            Self::FitObliquity => homography.k = h.k + share * bounds.homography.k,
+            Self::FitBlur => p.blur = fit.blur + share * bounds.blur,
+            Self::FitLight => p.lights[0].levels[0] = fit.lights[0].levels[0] + share * bounds.light,
+            Self::FitVariance => p.variance = fit.variance * (1.0 + share * bounds.variance),
+            Self::FitCovariance => p.covariance[(0, 0)] = fit.covariance[(0, 0)] * (1.0 + share * bounds.covariance),
+            _ => p.margin = fit.margin * (1.0 + share * bounds.margin),
+        })
+    }
+
     fn apply_to_pose(self, setting: &Setting, share: f64, reference: &Trace, port: &mut Trace) -> bool {
         let (Some(r), Some(p)) = (reference.detections.first(), port.detections.first_mut()) else { return false };
+        if self == Self::PoseCovariance {
+            return change(setting.pose_covariance_bound(r), |bound| {
+                p.covariance[(1, 1)] = r.covariance[(1, 1)] * (1.0 + share * bound);
+            });
+        }
         change(setting.pose_bounds(r), |bound| match self {
             Self::PoseX => p.pose.x = r.pose.x + share * bound.x,
             Self::PoseY => p.pose.y = r.pose.y + share * bound.y,

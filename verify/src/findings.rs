@@ -4,7 +4,8 @@ use crate::scenes::Cell;
 use crate::tally::{Part, Tally};
 use crate::trace::Trace;
 use reference::landmark::Format;
-use reference::refusal::PairRefusal;
+use reference::merge::{Decoder, Estimator};
+use reference::refusal::{CandidateRefusal, PairRefusal};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -104,6 +105,42 @@ pub struct Findings {
     pub scenes: SceneRates,
     /// Random scenes in each box of the pose space.
     pub boxes: BTreeMap<usize, u64>,
+    /// What became of the pairs that were tried, by decoder.
+    pub candidates: BTreeMap<(Decoder, CandidateEnd), Both>,
+}
+
+/// How a pair of layers or extents ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CandidateEnd {
+    /// As a detection, by a fit or by the paper's estimate.
+    Detection(Estimator),
+    /// It has no payload.
+    Pair(PairRefusal),
+    /// It was refused.
+    Refused(CandidateRefusal),
+}
+
+impl CandidateEnd {
+    /// In a few words.
+    #[must_use]
+    pub fn describe(self) -> String {
+        match self {
+            Self::Detection(Estimator::Fit) => "detection, fitted".to_owned(),
+            Self::Detection(Estimator::Paper) => "detection, the paper's estimate".to_owned(),
+            Self::Pair(refusal) => refusal.to_string(),
+            Self::Refused(refusal) => refusal.to_string(),
+        }
+    }
+}
+
+/// How the pairs of a trace ended; those of layers that the trellis has decided again count for the trellis.
+fn ends(trace: &Trace) -> impl Iterator<Item = (Decoder, CandidateEnd)> {
+    let refused = trace.trials.iter().filter_map(|trial| match (trial.refusal, trial.readings.last()) {
+        (Some((decoder, refusal)), _) => Some((decoder, CandidateEnd::Refused(refusal))),
+        (None, Some(&(decoder, Err(refusal)))) => Some((decoder, CandidateEnd::Pair(refusal))),
+        _ => None,
+    });
+    refused.chain(trace.detections.iter().map(|found| (found.decoder, CandidateEnd::Detection(found.estimator()))))
 }
 
 impl Findings {
@@ -121,6 +158,9 @@ impl Findings {
         self.scenes.out_of_range.add(other.scenes.out_of_range);
         self.scenes.without_landmark.blank.add(other.scenes.without_landmark.blank);
         self.scenes.without_landmark.bars.add(other.scenes.without_landmark.bars);
+        for (end, count) in &other.candidates {
+            self.candidates.entry(*end).or_default().add(*count);
+        }
         for (place, count) in &other.boxes {
             *self.boxes.entry(*place).or_default() += count;
         }
@@ -129,6 +169,12 @@ impl Findings {
 
     /// Adds one frame's results, given what is in the scene.
     pub fn add_frame(&mut self, part: Part, truth: &[(Format, u32)], traces: &[Trace; 2]) {
+        for end in ends(&traces[0]) {
+            self.candidates.entry(end).or_default().reference += 1;
+        }
+        for end in ends(&traces[1]) {
+            self.candidates.entry(end).or_default().fixedpoint += 1;
+        }
         let is_wrong = |found: (Format, u32)| !truth.contains(&found);
         let refused = |trace: &Trace, refusal| trace.pairs.iter().filter(|pair| pair.result == Err(refusal)).count();
         self.parts.entry(part).or_default().add(&PartCount {

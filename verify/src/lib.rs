@@ -14,6 +14,7 @@ pub mod figures;
 pub mod findings;
 pub mod input;
 pub mod lockstep;
+pub mod paper_estimate;
 pub mod place;
 pub mod port;
 pub mod print;

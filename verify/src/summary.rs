@@ -21,6 +21,7 @@ pub fn summary(certificate: &Certificate) -> String {
     section(&mut text, &format!("Detection, frontal, per cent of {FRONTAL_VIEWS} views"), &frontal(certificate));
     section(&mut text, "Random scenes", &scenes(certificate));
     section(&mut text, "False detections (reference/fixedpoint)", &parts(certificate));
+    section(&mut text, "Pairs of layers and of extents, and how they ended", &candidates(certificate));
     section(&mut text, "Both pipelines, stage by stage", &stages(certificate));
     section(&mut text, "Checks", &checks(certificate));
     let _ = writeln!(
@@ -77,6 +78,15 @@ fn stages(certificate: &Certificate) -> String {
         }
     }
     text
+}
+
+fn candidates(certificate: &Certificate) -> String {
+    let mut table = table(["decoder", "end", "reference", "fixedpoint"]);
+    for report in &certificate.candidates {
+        let counts = [report.count.reference, report.count.fixedpoint].map(|count| count.to_string());
+        table.add_row([report.decoder.to_owned(), report.end.clone()].into_iter().chain(counts));
+    }
+    right_aligned(table, 2)
 }
 
 fn checks(certificate: &Certificate) -> String {

@@ -2,9 +2,13 @@
 //!
 //! Both recorders fill this form from the observers of their pipeline. Enumerations are the reference's.
 
+use nalgebra::Matrix3;
+use reference::accept::Test;
 use reference::landmark::Format;
+use reference::merge::{Decoder, Estimator};
 use reference::observer::Layer;
-use reference::refusal::{HypothesisRefusal, LineRefusal, PairRefusal};
+use reference::refusal::{CandidateRefusal, FitRefusal, HypothesisRefusal, LineRefusal, PairRefusal};
+use reference::threshold::Thresholding;
 
 /// Everything that a pipeline reported about one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,9 +18,11 @@ pub struct Trace {
     /// All ROIs in the order in which they were looked at.
     pub hypotheses: Vec<HypothesisTrace>,
     /// Lines refused during the search in a format (DECODE-2).
-    pub crowded: Vec<(Layer, LineRefusal)>,
-    /// All pairs of layers.
+    pub crowded: Vec<(Layer, Thresholding, LineRefusal)>,
+    /// All pairs of layers, and of extents whose half words have settled.
     pub pairs: Vec<PairTrace>,
+    /// All pairs of layers and all pairs of extents that were tried, in their order.
+    pub trials: Vec<TrialTrace>,
     /// Results.
     pub detections: Vec<DetectionTrace>,
     /// Detections withdrawn by MERGE-7.
@@ -32,6 +38,7 @@ impl Default for Trace {
             hypotheses: Vec::new(),
             crowded: Vec::new(),
             pairs: Vec::new(),
+            trials: Vec::new(),
             detections: Vec::new(),
             ambiguous: Vec::new(),
             heard_is_returned: true,
@@ -42,12 +49,25 @@ impl Default for Trace {
 /// The first two stages on one line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineTrace {
+    /// Its grey values.
+    pub values: Vec<u8>,
     /// Darkest and brightest value.
     pub threshold: Option<(u8, u8)>,
-    /// Whether the first region is black, and the first pixel of every region.
-    pub regions: Option<(bool, Vec<u16>)>,
-    /// Why there are none.
-    pub refusal: Option<LineRefusal>,
+    /// The regions by each threshold, in the order in which they were reported.
+    pub regions: Vec<RegionsTrace>,
+    /// Why there are none, by which threshold.
+    pub refusals: Vec<(Thresholding, LineRefusal)>,
+}
+
+/// The regions of one line by one threshold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionsTrace {
+    /// The threshold.
+    pub thresholding: Thresholding,
+    /// Whether the first region is black.
+    pub first_is_black: bool,
+    /// The first pixel of every region.
+    pub firsts: Vec<u16>,
 }
 
 /// One ROI.
@@ -55,6 +75,8 @@ pub struct LineTrace {
 pub struct HypothesisTrace {
     /// Its line.
     pub layer: Layer,
+    /// The threshold by which it was found.
+    pub thresholding: Thresholding,
     /// The format that was looked for.
     pub format: Format,
     /// Its first and last region.
@@ -127,10 +149,104 @@ pub struct HomographyTrace {
 pub struct PairTrace {
     /// Its format.
     pub format: Format,
-    /// First pixels of both ROIs.
+    /// How it was read.
+    pub decoder: Decoder,
+    /// First pixels of both ROIs or extents.
     pub first_pixels: (usize, usize),
     /// Payload or refusal.
     pub result: Result<u32, PairRefusal>,
+}
+
+/// What became of a pair of layers, or of a pair of extents.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrialTrace {
+    /// Its format.
+    pub format: Format,
+    /// Whether it is a pair of layers, which the threshold has read, or one of extents.
+    pub decoder: Decoder,
+    /// First and last pixel of both ROIs or extents.
+    pub pixels: [(usize, usize); 2],
+    /// What was read, last by the trellis if it came to that: how, and the payload or why there is none.
+    pub readings: Vec<(Decoder, Result<u32, PairRefusal>)>,
+    /// The fits with all stripes.
+    pub fits: Vec<Result<FitTrace, FitRefusal>>,
+    /// What was asked of it; the port does not say.
+    pub tests: Vec<Test>,
+    /// Why there is no detection.
+    pub refusal: Option<(Decoder, CandidateRefusal)>,
+}
+
+impl TrialTrace {
+    /// The payload, and how it was read, if this became a detection.
+    #[must_use]
+    pub fn accepted(&self) -> Option<(Decoder, u32)> {
+        match (self.refusal, self.readings.last()) {
+            (None, Some(&(decoder, Ok(payload)))) => Some((decoder, payload)),
+            _ => None,
+        }
+    }
+}
+
+/// A fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitTrace {
+    /// Relative to the principal column.
+    pub homography: HomographyTrace,
+    /// Standard deviation of the blur, pixels.
+    pub blur: f64,
+    /// How well it is known, pixels; the port does not say and has 0.
+    pub blur_deviation: f64,
+    /// `s²`, squared grey levels.
+    pub variance: f64,
+    /// Covariance of `(a, s, k)`.
+    pub covariance: Matrix3<f64>,
+    /// `n - p`.
+    pub degrees_of_freedom: f64,
+    /// Steps taken.
+    pub steps: usize,
+    /// The light of both layers.
+    pub lights: [LightTrace; 2],
+    /// How clearly the light steps there, squared grey levels; infinite where none is known or it does not step.
+    pub step_lead: f64,
+}
+
+/// The light of a layer: grey levels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LightTrace {
+    /// `o`, `g`, `o'`, `g'`.
+    pub levels: [f64; 4],
+    /// Where it steps.
+    pub step: Option<usize>,
+}
+
+impl FitTrace {
+    /// What a detection says of it.
+    #[must_use]
+    pub fn with_margin(&self, margin: f64) -> DetectionFit {
+        let Self { blur, blur_deviation, variance, covariance, degrees_of_freedom, steps, lights, .. } = *self;
+        DetectionFit { blur, variance, covariance, margin, blur_deviation, degrees_of_freedom, steps, lights }
+    }
+}
+
+/// What a detection says of its fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DetectionFit {
+    /// Standard deviation of the blur, pixels.
+    pub blur: f64,
+    /// `s²`, squared grey levels.
+    pub variance: f64,
+    /// Covariance of `(a, s, k)`.
+    pub covariance: Matrix3<f64>,
+    /// The decision margin, squared grey levels.
+    pub margin: f64,
+    /// Standard deviation of the blur, pixels; the port does not say and has 0.
+    pub blur_deviation: f64,
+    /// `n - p`, from the fit itself.
+    pub degrees_of_freedom: f64,
+    /// Steps taken, from the fit itself.
+    pub steps: usize,
+    /// The light of both layers, from the fit itself.
+    pub lights: [LightTrace; 2],
 }
 
 /// A detection.
@@ -140,12 +256,28 @@ pub struct DetectionTrace {
     pub format: Format,
     /// Its payload.
     pub payload: u32,
+    /// How it was read.
+    pub decoder: Decoder,
+    /// First and last pixel of both ROIs or extents.
+    pub pixels: [(usize, usize); 2],
     /// Half words of both layers.
     pub half_words: (u32, u32),
-    /// The merged homography.
+    /// The fitted homography, or the merged one.
     pub homography: HomographyTrace,
+    /// The fit; none for the paper's estimate.
+    pub fit: Option<DetectionFit>,
     /// The camera in the landmark's frame.
     pub pose: PoseTrace,
+    /// The covariance of its pose: metres and radians, squared.
+    pub covariance: Matrix3<f64>,
+}
+
+impl DetectionTrace {
+    /// What its pose was computed from.
+    #[must_use]
+    pub fn estimator(&self) -> Estimator {
+        if self.fit.is_some() { Estimator::Fit } else { Estimator::Paper }
+    }
 }
 
 /// A pose: metres, metres, radians.
@@ -169,18 +301,26 @@ impl Trace {
     }
 
     /// A line was refused: before its regions were known by THRESH or REGION, afterwards by DECODE-2.
-    pub fn refuse_line(&mut self, layer: Layer, refusal: LineRefusal) {
+    pub fn refuse_line(&mut self, layer: Layer, thresholding: Thresholding, refusal: LineRefusal) {
         if refusal == LineRefusal::TooManyLayers {
-            self.crowded.push((layer, refusal));
+            self.crowded.push((layer, thresholding, refusal));
         } else {
-            self.line(layer).refusal = Some(refusal);
+            self.line(layer).refusals.push((thresholding, refusal));
         }
     }
 
     /// Begins an ROI.
-    pub fn begin(&mut self, layer: Layer, format: Format, regions: (usize, usize), pixels: (usize, usize)) {
+    pub fn begin(
+        &mut self,
+        layer: Layer,
+        thresholding: Thresholding,
+        format: Format,
+        regions: (usize, usize),
+        pixels: (usize, usize),
+    ) {
         self.hypotheses.push(HypothesisTrace {
             layer,
+            thresholding,
             format,
             regions,
             pixels,
@@ -197,6 +337,55 @@ impl Trace {
         if let Some(hypothesis) = self.hypotheses.last_mut() {
             note(hypothesis);
         }
+    }
+
+    /// A pair was read: one of layers begins a trial, one by the trellis belongs to the one before it.
+    pub fn read(&mut self, pair: PairTrace, pixels: [(usize, usize); 2]) {
+        if pair.decoder == Decoder::Threshold {
+            self.begin_trial(pair.format, pair.decoder, pixels);
+        }
+        self.trial(|trial| trial.readings.push((pair.decoder, pair.result)));
+        self.pairs.push(pair);
+    }
+
+    /// Begins the trial of a pair of layers or of extents.
+    pub fn begin_trial(&mut self, format: Format, decoder: Decoder, pixels: [(usize, usize); 2]) {
+        self.trials.push(TrialTrace {
+            format,
+            decoder,
+            pixels,
+            readings: Vec::new(),
+            fits: Vec::new(),
+            tests: Vec::new(),
+            refusal: None,
+        });
+    }
+
+    /// Notes something about the trial that was begun last.
+    pub fn trial(&mut self, note: impl FnOnce(&mut TrialTrace)) {
+        if let Some(trial) = self.trials.last_mut() {
+            note(trial);
+        }
+    }
+
+    /// Keeps the scan lines, upper first.
+    pub fn keep_lines(&mut self, upper: &[u8], lower: &[u8]) {
+        for (line, values) in self.lines.iter_mut().zip([upper, lower]) {
+            line.values = values.to_vec();
+        }
+    }
+
+    /// The fits of what is at a place, by its format and pixels, however it was read.
+    pub fn fits_at(&self, format: Format, pixels: [(usize, usize); 2]) -> impl Iterator<Item = &FitTrace> {
+        let here = move |trial: &&TrialTrace| (trial.format, trial.pixels) == (format, pixels);
+        self.trials.iter().filter(here).flat_map(|trial| trial.fits.iter().flatten())
+    }
+
+    /// The fit with this homography and blur.
+    #[must_use]
+    pub fn fit(&self, homography: &HomographyTrace, blur: f64) -> Option<&FitTrace> {
+        let fits = self.trials.iter().flat_map(|trial| trial.fits.iter().flatten());
+        fits.into_iter().find(|fit| fit.homography == *homography && fit.blur.to_bits() == blur.to_bits())
     }
 
     /// A transition of the ROI that was begun last. The order in which a pipeline adds them is its own affair.

@@ -1,40 +1,58 @@
 use super::*;
+use crate::camera::Camera;
 use crate::codeword::encode;
-use crate::formats::Column;
-use crate::refusal::PairRefusal;
+use crate::crossing::CrossingRule;
+use crate::drawing::View;
+use crate::fit::Fitted;
+use crate::landmark::Landmark;
+use crate::refusal::FitRefusal;
+use crate::threshold::Threshold;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::format;
+use std::string::String;
 use std::vec::Vec as List;
 
 /// A layer from pixel `first` to `last`, straight in front of the camera.
 fn layer(first_pixel: u16, last_pixel: u16, half_word: u16) -> DecodedLayer {
     let hypothesis = Hypothesis { first_region: 1, last_region: 9, first_pixel, last_pixel };
     let (a, s, k) = (Column::ZERO, Column::from_num(40), Obliquity::ZERO);
-    DecodedLayer { hypothesis, half_word, homography: Homography { a, s, k } }
+    DecodedLayer { thresholding: Thresholding::Global, hypothesis, half_word, homography: Homography { a, s, k } }
 }
 
 #[derive(Default)]
 struct Recorder {
     pairs: List<(u16, u16, Result<u32, PairRefusal>)>,
+    refused: List<(Format, Decoder, CandidateRefusal)>,
     found: List<(&'static str, Format, u16)>,
 }
 
 impl Observer for Recorder {
-    fn pair(&mut self, _format: Format, upper: &DecodedLayer, lower: &DecodedLayer, result: Result<u32, PairRefusal>) {
-        self.pairs.push((upper.hypothesis.first_pixel, lower.hypothesis.first_pixel, result));
+    fn pair(&mut self, _: Format, _: Decoder, upper: &Reading, lower: &Reading, result: Result<u32, PairRefusal>) {
+        self.pairs.push((upper.first_pixel, lower.first_pixel, result));
+    }
+
+    fn candidate_refused(&mut self, format: Format, decoder: Decoder, refusal: CandidateRefusal) {
+        self.refused.push((format, decoder, refusal));
     }
 
     fn detection(&mut self, detection: &Detection) {
-        self.found.push(("found", detection.format, detection.upper.hypothesis.first_pixel));
+        self.found.push(("found", detection.format, detection.upper.first_pixel));
     }
 
     fn ambiguous(&mut self, detection: &Detection) {
-        self.found.push(("ambiguous", detection.format, detection.upper.hypothesis.first_pixel));
+        self.found.push(("ambiguous", detection.format, detection.upper.first_pixel));
     }
 }
 
+/// Merges layers of white lines, which no fit explains, so that the layers' homographies decide (`ACCEPT-10`).
 fn merged(landmark: Landmark, layers: &[(DecodedLayer, DecodedLayer)], detections: &mut Detections) -> Recorder {
     let mut recorder = Recorder::default();
     let (upper, lower): (List<_>, List<_>) = layers.iter().copied().unzip();
-    merge(&upper, &lower, &Camera::epuck(), &landmark, detections, &mut recorder);
+    let (white, camera) = ([255; 480], Camera::epuck());
+    let rule = CrossingRule::Interpolated;
+    let setting = Setting { lines: [&white, &white], camera: &camera, landmark: &landmark, rule };
+    Merger::new(setting, detections, &mut recorder).merge(&upper, &lower);
     recorder
 }
 
@@ -63,20 +81,129 @@ fn pairs_say_a_payload_or_why_they_do_not() {
         [(300, 301, Ok(0x1234)), (100, 100, Err(PairRefusal::EqualHalves)), (200, 200, Err(PairRefusal::Crc))];
     assert_eq!(recorder.pairs, expected);
     assert_eq!(detections.len(), 1);
-    assert_eq!((detections[0].payload, detections[0].upper), (0x1234, layers[0].0));
-    assert_eq!(detections[0].lower, layers[0].1);
+    assert_eq!(detections[0].payload, 0x1234);
+    let reading = |first_pixel, half_word| Reading { first_pixel, last_pixel: 380, half_word };
+    assert_eq!((detections[0].upper, detections[0].lower), (reading(300, one), reading(301, other)));
+    assert_eq!((detections[0].decoder, detections[0].estimator()), (Decoder::Threshold, Estimator::Paper));
+}
+
+/// What is heard of pairs, their fits and their ends.
+#[derive(Default)]
+struct Events(List<String>);
+
+impl Observer for Events {
+    fn extents(&mut self, _: Format, _: Extent, _: Extent) {
+        self.0.push("extents".into());
+    }
+
+    fn pair(&mut self, _: Format, by: Decoder, _: &Reading, _: &Reading, result: Result<u32, PairRefusal>) {
+        self.0.push(format!("{by:?} {result:x?}"));
+    }
+
+    fn fitted(&mut self, fit: Result<&Fitted, FitRefusal>) {
+        let step = |fit: &Fitted| fit.lights.iter().all(|light| light.step.is_some());
+        self.0.push(format!("{:?}", fit.map(step)));
+    }
+
+    fn candidate_refused(&mut self, _: Format, by: Decoder, refusal: CandidateRefusal) {
+        self.0.push(format!("{by:?} {refusal:?}"));
+    }
+}
+
+/// What is heard of `paper` layers in the middle of both lines, and of extents after them.
+fn heard(lines: [&[u8]; 2], upper: &[DecodedLayer], lower: &[DecodedLayer]) -> (List<String>, Detections) {
+    let (camera, landmark) = (Camera::epuck(), Landmark::paper());
+    let setting = Setting { lines, camera: &camera, landmark: &landmark, rule: CrossingRule::Interpolated };
+    let (mut events, mut detections) = (Events::default(), Detections::new());
+    let mut merger = Merger::new(setting, &mut detections, &mut events);
+    merger.merge(upper, lower);
+    let threshold = Threshold { darkest: 40, brightest: 220 };
+    merger.merge_extents(Shade::new(lines[0], &threshold), Shade::new(lines[1], &threshold));
+    (events.0, detections)
+}
+
+fn local(layer: DecodedLayer) -> DecodedLayer {
+    DecodedLayer { thresholding: Thresholding::Local, ..layer }
+}
+
+/// A shadow's edge in a barcode of which one stripe was read wrong, by the local threshold in one of the layers.
+#[test]
+fn a_pair_of_the_local_threshold_is_decided_again() {
+    let view = View::turned(Format::Paper, 4.0, 0.0);
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let (one, other) = encode(Format::Paper, 0xBEEF).unwrap();
+    let mut lines = [one, other].map(|half_word| view.line(480, half_word, &mut random));
+    lines.iter_mut().flat_map(|line| &mut line[245..]).for_each(|pixel| *pixel /= 2);
+    let heard = |upper, lower| heard([&lines[0], &lines[1]], &[upper], &[lower]);
+    let (upper, lower) = (layer(200, 279, one ^ 1 << 5), layer(200, 279, other));
+    let again = ["Threshold Err(Crc)", "Ok(true)", "Ok(true)", "Trellis Ok(beef)"];
+    for (upper, lower) in [(upper, local(lower)), (local(upper), lower), (local(upper), local(lower))] {
+        let (events, detections) = heard(upper, lower);
+        assert_eq!(events, again);
+        let found = &detections[0];
+        assert_eq!((found.payload, found.decoder, found.upper.half_word), (0xBEEF, Decoder::Trellis, one));
+        assert_eq!((found.upper.first_pixel, found.lower.last_pixel), (200, 279));
+    }
+    // Neither by the global threshold alone, nor where both halves are equal.
+    assert_eq!(heard(upper, lower).0, again[..1]);
+    assert_eq!(heard(local(upper), local(layer(200, 279, one ^ 1 << 5))).0, ["Threshold Err(EqualHalves)"]);
+}
+
+/// Four pairs of the format: those of layers first, then those of extents, of which bars of 6 px give a lot.
+#[test]
+fn four_pairs_are_tried_layers_first() {
+    let (one, other) = encode(Format::Paper, 0x1234).unwrap();
+    let text: List<u8> = (0..480).map(|pixel| if pixel % 13 < 6 { 40 } else { 220 }).collect();
+    let tries = |layers: u16| -> (usize, usize, usize) {
+        let pairs = (0..layers).map(|i| 20 + 70 * i);
+        let (upper, lower): (List<_>, List<_>) = pairs
+            .map(|first| (local(layer(first, first + 60, one)), local(layer(first, first + 60, other ^ 1))))
+            .unzip();
+        let (events, _) = heard([&text, &text], &upper, &lower);
+        let first_extents = events.iter().position(|event| event == "extents").unwrap_or(events.len());
+        let trellis = |events: &[String]| events.iter().filter(|event| event.starts_with("Trellis")).count();
+        (trellis(&events[..first_extents]), trellis(&events[first_extents..]), count(&events, "Threshold Err(Crc)"))
+    };
+    assert_eq!([0, 1, 4, 5].map(tries), [(0, 4, 0), (1, 3, 1), (4, 0, 4), (4, 0, 5)]);
+}
+
+fn count(events: &[String], event: &str) -> usize {
+    events.iter().filter(|other| *other == event).count()
 }
 
 #[test]
 fn the_homography_is_the_mean() {
-    let (one, other) = encode(Format::Wide, 0x1234).unwrap();
-    let (mut upper, mut lower) = (layer(100, 180, one), layer(100, 180, other));
     let homography = |a, s, k| Homography { a: Column::from_num(a), s: Column::from_num(s), k: Obliquity::from_num(k) };
-    upper.homography = homography(-1500.0, 30.0, 0.5);
-    lower.homography = homography(-1000.0, 33.0, -0.25);
+    let (upper, lower) = (homography(-1500.0, 30.0, 0.5), homography(-1000.0, 33.0, -0.25));
+    assert_eq!(mean(&upper, &lower), homography(-1250.0, 31.5, 0.125));
+}
+
+#[test]
+fn layers_that_disagree_are_no_detection() {
+    let (one, other) = encode(Format::Paper, 0x1234).unwrap();
+    let (upper, mut lower) = (layer(100, 180, one), layer(100, 180, other));
+    lower.homography.a += Column::from_num(1.001);
     let mut detections = Detections::new();
-    merged(Landmark::wide(), &[(upper, lower)], &mut detections);
-    assert_eq!(detections[0].homography, homography(-1250.0, 31.5, 0.125));
+    let recorder = merged(Landmark::paper(), &[(upper, lower)], &mut detections);
+    assert_eq!(recorder.pairs, [(100, 100, Ok(0x1234))]);
+    assert_eq!(recorder.refused, [(Format::Paper, Decoder::Threshold, CandidateRefusal::Disagree)]);
+    assert!(detections.is_empty());
+}
+
+#[test]
+fn nine_detections_are_too_many() {
+    let (one, other) = encode(Format::Paper, 0x1234).unwrap();
+    let layers: List<_> = (0..8)
+        .map(|i| 10 + 40 * i)
+        .map(|first| (layer(first, first + 30, one), layer(first, first + 30, other)))
+        .collect();
+    let mut detections = Detections::new();
+    assert!(merged(Landmark::paper(), &layers, &mut detections).refused.is_empty());
+    let (one, other) = encode(Format::Wide, 0x1234).unwrap();
+    let wide = [(layer(400, 440, one), layer(400, 440, other))];
+    let recorder = merged(Landmark::wide(), &wide, &mut detections);
+    assert_eq!(recorder.refused, [(Format::Wide, Decoder::Threshold, CandidateRefusal::TooMany)]);
+    assert!(detections.len() == 8 && detections.iter().all(|found| found.format == Format::Paper));
 }
 
 #[test]
@@ -107,6 +234,6 @@ fn formats_that_share_a_pixel_are_withdrawn() {
         ("found", Format::Wide, 91),
     ];
     assert_eq!(recorder.found, expected);
-    let left: List<_> = detections.iter().map(|d| (d.format, d.upper.hypothesis.first_pixel)).collect();
+    let left: List<_> = detections.iter().map(|d| (d.format, d.upper.first_pixel)).collect();
     assert_eq!(left, [(Format::Paper, 10), (Format::Wide, 91)]);
 }

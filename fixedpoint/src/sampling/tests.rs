@@ -3,7 +3,8 @@ use crate::decode::half_word;
 use crate::drawing::{draw, runs, stripes};
 use crate::observer::Silent;
 use crate::regions::{Regions, regions};
-use crate::threshold::Threshold;
+use crate::threshold::local::Blocks;
+use crate::threshold::{Threshold, Thresholds};
 use std::vec::Vec;
 
 const RULES: [CrossingRule; 2] = [CrossingRule::Interpolated, CrossingRule::WholePixel];
@@ -30,7 +31,7 @@ impl Observer for Recorder {
 
 fn regions_of(line: &[u8]) -> Regions {
     let mut found = Regions::new();
-    regions(line, &Threshold { darkest: 0, brightest: 255 }, &mut found).unwrap();
+    regions(line, &Thresholds::Global(Threshold { darkest: 0, brightest: 255 }), &mut found).unwrap();
     found
 }
 
@@ -41,12 +42,23 @@ fn sampled<O: Observer>(
     rule: CrossingRule,
     observer: &mut O,
 ) -> Result<u16, HypothesisRefusal> {
-    let threshold = Threshold { darkest: 0, brightest: 255 };
-    let found = regions_of(line);
+    let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
+    sampled_by(thresholds, line, format, rule, observer)
+}
+
+fn sampled_by<O: Observer>(
+    thresholds: Thresholds<'_>,
+    line: &[u8],
+    format: Format,
+    rule: CrossingRule,
+    observer: &mut O,
+) -> Result<u16, HypothesisRefusal> {
+    let mut found = Regions::new();
+    regions(line, &thresholds, &mut found).unwrap();
     let last_region = found.len() - 2;
     let (first_pixel, last_pixel) = (found.first(1).unwrap(), found.last(last_region).unwrap());
     let hypothesis = Hypothesis { first_region: 1, last_region, first_pixel, last_pixel };
-    let scan = Scan { line, threshold: &threshold, regions: &found };
+    let scan = Scan { line, thresholds, regions: &found };
     sample(&scan, &hypothesis, format, rule, observer).map(|(stripes, _)| half_word(&stripes, format))
 }
 
@@ -126,6 +138,26 @@ fn transitions_that_are_not_where_edges_are_are_refused() {
         }
     }
     assert_eq!(sampled(&wide, Format::Paper, CrossingRule::Interpolated, &mut Silent), Ok(0b1010_1010_1010));
+}
+
+/// As above, to the local threshold, to which black and white are the same here: it allows 1 px more, 2.25 px of 80 and
+/// 4.125 px of 200. Moved apart by 2 px in the one and 7 px in the other are 4/3 to 2 and 14/3 to 7 px.
+#[test]
+fn the_local_threshold_allows_a_pixel_more() {
+    let outcome = |width: usize, left: usize, right: usize, local: bool| {
+        let mut line = std::vec![255; 240];
+        draw(&mut line, 10, width, &stripes(Format::Paper, 0b0101_0000_0000));
+        line[10 + 5 * width - left..10 + 5 * width].fill(0);
+        line[10 + 7 * width..10 + 7 * width + right].fill(255);
+        let mut blocks = Blocks::new();
+        blocks.read(&line).unwrap();
+        let global = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
+        let thresholds = if local { Thresholds::Local(&blocks) } else { global };
+        sampled_by(thresholds, &line, Format::Paper, CrossingRule::Interpolated, &mut Silent)
+    };
+    let refused = Err(HypothesisRefusal::Residual);
+    assert_eq!((outcome(4, 1, 1, true), outcome(4, 1, 1, false)), (Ok(0b0101_0000_0000), refused));
+    assert_eq!((outcome(10, 4, 3, true), outcome(10, 4, 3, false)), (refused, refused));
 }
 
 /// A layer of one format is not one of the other: the residuals of its guards differ by e/53 (SAMPLE).
@@ -221,8 +253,8 @@ fn too_oblique_a_barcode_is_implausible() {
 fn nonsense_is_refused() {
     let line = layer(Format::Paper, 0x5A5);
     let found = regions_of(&line);
-    let threshold = Threshold { darkest: 0, brightest: 255 };
-    let scan = Scan { line: &line, threshold: &threshold, regions: &found };
+    let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
+    let scan = Scan { line: &line, thresholds, regions: &found };
     for (first_region, last_region) in [(0, 0), (7, 1), (0, 255), (255, 0), (200, 255)] {
         for (first_pixel, last_pixel) in [(0, 0), (9, 3), (0, u16::MAX), (u16::MAX, 0), (u16::MAX, u16::MAX)] {
             let hypothesis = Hypothesis { first_region, last_region, first_pixel, last_pixel };

@@ -6,11 +6,17 @@ use crate::input;
 use crate::lockstep::Setting;
 use crate::port::{Cameras, Landmarks};
 use crate::scenes::Lines;
-use crate::trace::{DetectionTrace, Outcome, Trace};
+use crate::trace::{DetectionTrace, HomographyTrace, Outcome, Trace};
 use clap::{Args, ValueEnum};
+use nalgebra::Matrix3;
+use reference::covariance::jacobian;
 use reference::crossing::CrossingRule;
-use reference::landmark::Format;
+use reference::homography::Homography;
+use reference::landmark::{Format, Landmark};
+use reference::merge::{Decoder, Estimator};
 use reference::observer::Layer;
+use reference::refusal::HypothesisRefusal;
+use reference::threshold::Thresholding;
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -77,7 +83,23 @@ struct DetectionReport {
     payload: String,
     upper: String,
     lower: String,
+    decoder: &'static str,
+    estimator: &'static str,
     camera_in_landmark: PoseReport,
+    /// Of (x, y, theta), metres and radians squared.
+    covariance: [[f64; 3]; 3],
+    image: ImageEstimate,
+    /// Squared grey levels; none for the paper's estimate.
+    margin: Option<f64>,
+}
+
+/// `column = o_x + (a + s t)/(1 + k t)`.
+#[derive(Serialize)]
+struct ImageEstimate {
+    a_px: f64,
+    s_px: f64,
+    k: f64,
+    covariance: [[f64; 3]; 3],
 }
 
 #[derive(Serialize)]
@@ -87,8 +109,8 @@ struct PoseReport {
     theta_rad: f64,
 }
 
-impl From<&DetectionTrace> for DetectionReport {
-    fn from(found: &DetectionTrace) -> Self {
+impl DetectionReport {
+    fn new(found: &DetectionTrace, setting: &Setting) -> Self {
         let digits = found.format.code_stripes();
         let (upper, lower) = found.half_words;
         Self {
@@ -96,9 +118,50 @@ impl From<&DetectionTrace> for DetectionReport {
             payload: payload_hex(found.format, found.payload),
             upper: format!("{upper:0digits$b}"),
             lower: format!("{lower:0digits$b}"),
+            decoder: match found.decoder {
+                Decoder::Threshold => "threshold",
+                Decoder::Trellis => "trellis",
+            },
+            estimator: match found.estimator() {
+                Estimator::Fit => "fit",
+                Estimator::Paper => "paper",
+            },
             camera_in_landmark: PoseReport { x_m: found.pose.x, y_m: found.pose.y, theta_rad: found.pose.theta },
+            covariance: rows(&found.covariance),
+            image: ImageEstimate {
+                a_px: found.homography.a,
+                s_px: found.homography.s,
+                k: found.homography.k,
+                covariance: rows(&image_covariance(found, setting)),
+            },
+            margin: found.fit.as_ref().map(|fit| fit.margin),
         }
     }
+
+    /// Standard deviations of x and y in metres and of the heading in radians.
+    fn deviations(&self) -> [f64; 3] {
+        core::array::from_fn(|i| self.covariance[i][i].sqrt())
+    }
+}
+
+fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    core::array::from_fn(|i| core::array::from_fn(|j| matrix[(i, j)]))
+}
+
+/// The covariance of `(a, s, k)`: the fit's own; for the paper's estimate that of its pose, carried back through the
+/// derivatives of POSE.
+fn image_covariance(found: &DetectionTrace, setting: &Setting) -> Matrix3<f64> {
+    if let Some(fit) = &found.fit {
+        return fit.covariance;
+    }
+    let HomographyTrace { a, s, k } = found.homography;
+    let landmarks = &setting.landmarks.reference;
+    let landmark = landmarks.iter().find(|landmark| landmark.format == found.format).copied();
+    let landmark = landmark.unwrap_or(Landmark::new(found.format));
+    let by_image = jacobian(&Homography { a, s, k }, &setting.cameras.reference, &landmark);
+    by_image
+        .try_inverse()
+        .map_or(Matrix3::repeat(f64::INFINITY), |by_pose| by_pose * found.covariance * by_pose.transpose())
 }
 
 pub(super) fn run(arguments: &Arguments, out: &mut impl Write) -> Result<Exit, Failure> {
@@ -152,7 +215,8 @@ fn report(
 ) -> Result<(), Failure> {
     for (pipeline, run) in pipelines(arguments.pipeline) {
         let trace = run(setting, upper, lower);
-        let detections: Vec<DetectionReport> = trace.detections.iter().map(DetectionReport::from).collect();
+        let detections: Vec<DetectionReport> =
+            trace.detections.iter().map(|found| DetectionReport::new(found, setting)).collect();
         if arguments.json {
             let line = ImageReport { image, pipeline, detections };
             serde_json::to_writer(&mut *out, &line).map_err(std::io::Error::from)?;
@@ -176,17 +240,30 @@ fn describe(
     }
     for detection in found {
         let pose = &detection.camera_in_landmark;
+        let [x, y, theta] = detection.deviations();
         writeln!(
             out,
-            "{image} {pipeline}: {} {}, camera in landmark x {:.2} cm, y {:.2} cm, heading {:.2}°",
+            "{image} {pipeline}: {} {}, camera in landmark x {:.3} ± {:.3} cm, y {:.3} ± {:.3} cm, heading {:.2} ± {:.2}°{}",
             detection.format,
             detection.payload,
             100.0 * pose.x_m,
+            100.0 * x,
             100.0 * pose.y_m,
-            pose.theta_rad.to_degrees()
+            100.0 * y,
+            pose.theta_rad.to_degrees(),
+            theta.to_degrees(),
+            if detection.estimator == "fit" { "" } else { " by transitions only, no fit to the grey levels" },
         )?;
     }
     Ok(())
+}
+
+/// The words for a line's threshold: nothing for the one that is always meant.
+fn by(thresholding: Thresholding) -> &'static str {
+    match thresholding {
+        Thresholding::Global => "",
+        Thresholding::Local => " by its local threshold",
+    }
 }
 
 /// Why a trace has no detections: what refused each line or region of interest, and each pair of layers.
@@ -194,11 +271,15 @@ fn why_nothing(trace: &Trace) -> String {
     let mut reasons = Vec::new();
     let layers = [(Layer::Upper, "upper line"), (Layer::Lower, "lower line")];
     for ((layer, name), line) in layers.into_iter().zip(&trace.lines) {
-        reasons.extend(line.refusal.map(|refusal| format!("{name}: {refusal}")));
+        reasons.extend(line.refusals.iter().map(|(threshold, refusal)| format!("{name}{}: {refusal}", by(*threshold))));
         for roi in trace.hypotheses.iter().filter(|roi| roi.layer == layer) {
-            if let Outcome::Refused(refusal) = roi.outcome {
+            // What was read before is no reason.
+            if let Outcome::Refused(refusal) = roi.outcome
+                && refusal != HypothesisRefusal::Repeated
+            {
                 let (first, last) = roi.pixels;
-                reasons.push(format!("{name}, pixels {first} to {last} as {}: {refusal}", format_name(roi.format)));
+                let (by, format) = (by(roi.thresholding), format_name(roi.format));
+                reasons.push(format!("{name}{by}, pixels {first} to {last} as {format}: {refusal}"));
             }
         }
     }

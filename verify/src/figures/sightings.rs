@@ -1,11 +1,12 @@
 //! What both pipelines make of the views of one cell of a figure, by both rules.
 
-use crate::findings::{Both, Rate, view};
+use crate::findings::{Both, Rate};
 use crate::lockstep::{Setting, compare};
+use crate::paper_estimate::{PaperEstimate, paper_estimates};
 use crate::port::{Cameras, Landmarks};
 use crate::scenes::Staged;
 use crate::tally::{Frame, Part, Tally};
-use crate::trace::{PoseTrace, Trace};
+use crate::trace::Trace;
 use reference::camera::Camera;
 use reference::crossing::CrossingRule;
 use reference::frame::wrap;
@@ -50,7 +51,7 @@ pub struct PoseError {
 pub struct Sightings {
     /// Views, and those in which the landmark was found.
     pub rate: Rate,
-    /// Detections that are not in the scene.
+    /// What was read that is not in the scene.
     pub wrong: Both,
     /// Errors of the reference's poses, in the order of the views.
     pub errors: Vec<PoseError>,
@@ -121,7 +122,8 @@ impl Spectator {
             for (setting, sightings, part) in rules {
                 let traces = setting.run(&upper, &lower);
                 compare(setting, Frame { part, index }, &traces[0], &traces[1], &mut tally);
-                sightings.add(sides, &staged, &traces);
+                let found = traces.each_ref().map(|trace| read(setting, trace));
+                sightings.add(sides, &staged, &found);
             }
         }
         (seen, tally)
@@ -131,41 +133,41 @@ impl Spectator {
     pub fn watch_by_reference(&self, sides: Sides, views: impl Iterator<Item = Staged>) -> Vec<PoseError> {
         let errors = views.filter_map(|mut staged| {
             let [upper, lower] = staged.render(self.camera());
-            let trace = self.settings.whole_pixel.run_reference(&upper, &lower);
-            error(sides, &staged, &trace)
+            let setting = &self.settings.whole_pixel;
+            error(sides, &staged, &read(setting, &setting.run_reference(&upper, &lower)))
         });
         errors.collect()
     }
 }
 
 impl Sightings {
-    fn add(&mut self, sides: Sides, staged: &Staged, traces: &[Trace; 2]) {
+    fn add(&mut self, sides: Sides, staged: &Staged, found: &[Vec<PaperEstimate>; 2]) {
         let truth = staged.truth();
-        if let Some(&landmark) = truth.first() {
-            self.rate.add(view(landmark, traces));
+        let is_true = |it: &&PaperEstimate| truth.contains(&(it.format, it.payload));
+        let [reference, fixedpoint] = found.each_ref().map(|found| found.iter().filter(is_true).count());
+        let [all_reference, all_fixedpoint] = found.each_ref().map(Vec::len);
+        if !truth.is_empty() {
+            let found = Both { reference: u64::from(reference > 0), fixedpoint: u64::from(fixedpoint > 0) };
+            self.rate.add(Rate { views: 1, found });
         }
-        let wrong =
-            |trace: &Trace| trace.detections.iter().filter(|it| !truth.contains(&(it.format, it.payload))).count();
-        let wrong = Both::count(traces, wrong);
-        self.wrong = Both {
-            reference: self.wrong.reference + wrong.reference,
-            fixedpoint: self.wrong.fixedpoint + wrong.fixedpoint,
-        };
-        self.errors.extend(error(sides, staged, &traces[0]));
+        self.wrong.reference += (all_reference - reference) as u64;
+        self.wrong.fixedpoint += (all_fixedpoint - fixedpoint) as u64;
+        self.errors.extend(error(sides, staged, &found[0]));
     }
 }
 
+/// What the paper's decoder and estimator make of a trace: pairs of layers, before any fit and acceptance.
+fn read(setting: &Setting, trace: &Trace) -> Vec<PaperEstimate> {
+    paper_estimates(trace, &setting.cameras.reference, &setting.landmarks.reference)
+}
+
 /// The error of the pose of the scene's first landmark, if it was found.
-fn error(sides: Sides, staged: &Staged, trace: &Trace) -> Option<PoseError> {
+fn error(sides: Sides, staged: &Staged, found: &[PaperEstimate]) -> Option<PoseError> {
     let posted = staged.scene.landmarks.first()?;
     let truth = posted.landmark_in_world.inverse() * staged.scene.camera_in_world;
-    let is_it = |found: &PoseTrace| PoseError {
-        x: found.x - truth.x(),
-        y: found.y - truth.y(),
-        theta: wrap(found.theta - truth.theta()),
-    };
-    let found = trace.detections.iter().find(|found| found.payload == posted.payload)?;
-    let error = is_it(&found.pose);
+    let found = found.iter().find(|found| found.payload == posted.payload)?.camera_in_landmark;
+    let error =
+        PoseError { x: found.x() - truth.x(), y: found.y() - truth.y(), theta: wrap(found.theta() - truth.theta()) };
     let mirror = if sides == Sides::Either && truth.y() < 0.0 { -1.0 } else { 1.0 };
     Some(PoseError { x: error.x, y: mirror * error.y, theta: mirror * error.theta })
 }

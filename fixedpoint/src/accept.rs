@@ -1,0 +1,305 @@
+//! What a candidate must be like to be a detection.
+
+pub mod margin;
+
+use crate::camera::Camera;
+use crate::covariance::{self, PoseCovariance};
+use crate::crossing::CrossingRule;
+use crate::edge::Blur;
+use crate::fit::{self, FitLayer, Fitted, Illumination, LayerLight, Start};
+use crate::formats::Column;
+use crate::frame::{self, Pose};
+use crate::homography::Homography;
+use crate::ink::Edges;
+use crate::landmark::Landmark;
+use crate::light::{Limited, LitLayer};
+use crate::merge::{Decoder, Detection, FitSummary, Reading, mean};
+use crate::observer::Observer;
+use crate::pose::pose;
+use crate::refusal::CandidateRefusal;
+use margin::Squares;
+
+/// What a fit has to keep to, which depends on what decoded it.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    /// The largest blur (`ACCEPT-5`).
+    blur: Column,
+    /// What share of the contrast noise may be: `v = (ḡ/contrast)² + 9` (`ACCEPT-6`).
+    contrast: u64,
+    /// What share of `ḡ²` the margin has at least (`ACCEPT-7`).
+    margin: u64,
+}
+
+impl Limits {
+    const THRESHOLD: Self = Self { blur: Column::ONE, contrast: 16, margin: 8 };
+    /// 0.9 px is rounded down.
+    const TRELLIS: Self = Self { blur: Column::from_bits(943_718), contrast: 32, margin: 5 };
+
+    const fn of(decoder: Decoder) -> Self {
+        match decoder {
+            Decoder::Threshold => Self::THRESHOLD,
+            Decoder::Trellis => Self::TRELLIS,
+        }
+    }
+
+    /// `4 contrast² v` in 2^-16 squared grey levels, `(2 ḡ)² + 36 contrast²`, below 2^38.
+    fn noise(&self, fitted: &Fitted) -> u64 {
+        twice_gain_squared(fitted) + ((36 * self.contrast * self.contrast) << 16)
+    }
+
+    /// Whether the noise is explained (`ACCEPT-6`), exactly.
+    fn explain(&self, fitted: &Fitted) -> bool {
+        4 * self.contrast * self.contrast * u64::from(fitted.variance) <= self.noise(fitted)
+    }
+
+    /// Whether a pixel may be this much beyond the value that limits it, in 2^-8 grey level: `distance² <= 4 v`
+    /// (`ACCEPT-13`), exactly.
+    fn allow(&self, distance: u32, fitted: &Fitted) -> bool {
+        self.contrast * self.contrast * u64::from(distance).pow(2) <= self.noise(fitted)
+    }
+
+    /// Whether the margin is wide enough (`ACCEPT-7`), exactly.
+    fn decide(&self, margin: Squares, fitted: &Fitted) -> bool {
+        u64::try_from(margin).is_ok_and(|margin| (4 * self.margin * margin) << 8 >= twice_gain_squared(fitted))
+    }
+}
+
+/// The gain nearest to 0, -12 grey levels in 2^-8 (`ACCEPT-4`).
+const LEAST_CONTRAST: i32 = -12 << 8;
+
+/// What all candidates of an image have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting<'a> {
+    /// Both scan lines, the upper one first.
+    pub lines: [&'a [u8]; 2],
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The format and its dimensions.
+    pub landmark: &'a Landmark,
+    /// How transitions were placed.
+    pub rule: CrossingRule,
+}
+
+/// A pair with a payload.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Candidate {
+    /// Its payload.
+    pub payload: u32,
+    /// The upper and the lower reading.
+    pub readings: [Reading; 2],
+}
+
+/// What a candidate's decoder has found out about where it is.
+#[derive(Clone, Copy, Debug)]
+pub enum Evidence<'a> {
+    /// The threshold: both layers' homographies.
+    Threshold([Homography; 2]),
+    /// The trellis: the last fit.
+    Trellis(&'a Fitted),
+}
+
+impl Evidence<'_> {
+    /// Whose it is.
+    #[must_use]
+    pub fn decoder(&self) -> Decoder {
+        match self {
+            Self::Threshold(_) => Decoder::Threshold,
+            Self::Trellis(_) => Decoder::Trellis,
+        }
+    }
+}
+
+/// Decides a candidate (`ACCEPT`); `ACCEPT-2` is asked before it is fitted.
+///
+/// # Errors
+/// The first of `ACCEPT`'s reasons that holds.
+pub fn accept<O: Observer>(
+    candidate: &Candidate,
+    evidence: Evidence<'_>,
+    setting: &Setting<'_>,
+    observer: &mut O,
+) -> Result<Detection, CandidateRefusal> {
+    match evidence {
+        Evidence::Trellis(fitted) => accept_fitted(candidate, Decoder::Trellis, fitted, setting),
+        Evidence::Threshold([upper, lower]) => {
+            let merged = mean(&upper, &lower);
+            if !agree(&upper, &lower, &merged, setting.rule) {
+                return Err(CandidateRefusal::Disagree);
+            }
+            match fit_threshold(candidate, &merged, setting, observer) {
+                Some(fitted) => accept_fitted(candidate, Decoder::Threshold, &fitted, setting),
+                None => accept_merged(candidate, &merged, setting),
+            }
+        }
+    }
+}
+
+/// Whether two layers see one barcode (`ACCEPT-2`), exactly; `s` is that of the merged homography.
+fn agree(upper: &Homography, lower: &Homography, merged: &Homography, rule: CrossingRule) -> bool {
+    let whole = i128::from(rule == CrossingRule::WholePixel);
+    let apart = |one: i32, other: i32| i128::from(one.abs_diff(other));
+    let pixel = i128::from(Column::ONE.to_bits());
+    let (s, s_apart) = (i128::from(merged.s.to_bits()), apart(upper.s.to_bits(), lower.s.to_bits()));
+    let a_apart = apart(upper.a.to_bits(), lower.a.to_bits());
+    // |Δk| <= 1/20 + n/s, times 20 s: 30 and 20 fraction bits.
+    let k_apart = apart(upper.k.to_bits(), lower.k.to_bits()) * 20 * s;
+    let k_limit = (s + 20 * (1 + whole) * pixel) << 30;
+    a_apart <= (1 + whole) * pixel && s_apart <= (1 + whole) * pixel && k_apart <= k_limit
+}
+
+/// The fit of a threshold's candidate, under even light or under a step of light (`ACCEPT-1`); none if both are refused.
+#[inline(never)] // what it keeps on the stack is gone before the candidate is decided
+fn fit_threshold<O: Observer>(
+    candidate: &Candidate,
+    merged: &Homography,
+    setting: &Setting<'_>,
+    observer: &mut O,
+) -> Option<Fitted> {
+    let layers = layers(candidate, setting);
+    let format = setting.landmark.format;
+    let mut fit = |illumination| {
+        let fitted = fit::fit(&layers, &Start::at(merged), setting.camera, format, illumination);
+        observer.fitted(fitted.as_ref().map_err(|refusal| *refusal));
+        fitted.ok()
+    };
+    let even = fit(Illumination::Even);
+    match even {
+        Some(even) if Limits::THRESHOLD.explain(&even) => Some(even),
+        even => fit(Illumination::Step).or(even),
+    }
+}
+
+/// The candidate's layers, for the fit.
+fn layers<'a>(candidate: &Candidate, setting: &Setting<'a>) -> [FitLayer<'a>; 2] {
+    let [upper, lower] = setting.lines;
+    let [above, below] = candidate.readings;
+    let layer = |line, reading: Reading| FitLayer {
+        line,
+        first_pixel: reading.first_pixel,
+        last_pixel: reading.last_pixel,
+        stripes: fit::stripes(setting.landmark.format, reading.half_word),
+    };
+    [layer(upper, above), layer(lower, below)]
+}
+
+/// Decides by the fit (`ACCEPT-3` to `ACCEPT-9`, `ACCEPT-12`, `ACCEPT-13`).
+#[inline(never)] // what it keeps on the stack is not there during the fits
+fn accept_fitted(
+    candidate: &Candidate,
+    decoder: Decoder,
+    fitted: &Fitted,
+    setting: &Setting<'_>,
+) -> Result<Detection, CandidateRefusal> {
+    let (camera, landmark, limits) = (setting.camera, setting.landmark, Limits::of(decoder));
+    if !is_visible(&fitted.homography, camera) {
+        return Err(CandidateRefusal::Oblique);
+    }
+    if !has_contrast(&fitted.lights) {
+        return Err(CandidateRefusal::Contrast);
+    }
+    if fitted.blur > limits.blur {
+        return Err(CandidateRefusal::Blur);
+    }
+    if !limits.explain(fitted) || !limited_pixels_fit(candidate, &limits, fitted, setting) {
+        return Err(CandidateRefusal::Misfit);
+    }
+    let margin = margin(candidate, fitted, setting);
+    if !limits.decide(margin, fitted) {
+        return Err(CandidateRefusal::Margin);
+    }
+    let Fitted { homography, blur, covariance, variance, .. } = *fitted;
+    let found = covariance::transform(&homography, &covariance, camera, landmark);
+    let found = found.map_err(|_| CandidateRefusal::Undetermined)?;
+    let summary = FitSummary { covariance, blur, variance, margin };
+    Ok(detection(candidate, decoder, setting, homography, Some(summary), found))
+}
+
+/// Decides without a fit (`ACCEPT-10`).
+#[inline(never)] // likewise
+fn accept_merged(
+    candidate: &Candidate,
+    merged: &Homography,
+    setting: &Setting<'_>,
+) -> Result<Detection, CandidateRefusal> {
+    if !is_visible(merged, setting.camera) {
+        return Err(CandidateRefusal::Oblique);
+    }
+    let camera_in_landmark = pose(merged, setting.camera, setting.landmark);
+    let covariance = covariance::paper(&camera_in_landmark, setting.camera);
+    let found = (camera_in_landmark, covariance);
+    Ok(detection(candidate, Decoder::Threshold, setting, *merged, None, found))
+}
+
+/// Whether a camera can see it (`ACCEPT-3`), exactly. Both sides have 46 fraction bits and are below 2^60.
+fn is_visible(homography: &Homography, camera: &Camera) -> bool {
+    let k = u64::from(homography.k.to_bits().unsigned_abs());
+    let s = u64::try_from(homography.s.to_bits()).unwrap_or(0);
+    u64::from(camera.focal_length().to_bits()) * k <= (3 * s) << 26
+}
+
+/// The gains of both layers, in 2^-8 grey level.
+fn gains(lights: &[LayerLight]) -> Option<[i32; 2]> {
+    match lights {
+        [upper, lower] => Some([upper.gain, lower.gain]),
+        _ => None,
+    }
+}
+
+/// Whether both layers have contrast, and one not more than twice that of the other (`ACCEPT-4`), exactly.
+fn has_contrast(lights: &[LayerLight]) -> bool {
+    gains(lights)
+        .is_some_and(|[upper, lower]| upper.max(lower) <= LEAST_CONTRAST && upper >= 2 * lower && lower >= 2 * upper)
+}
+
+/// `(2 ḡ)²` in 2^-16 squared grey levels, below 2^37.
+fn twice_gain_squared(fitted: &Fitted) -> u64 {
+    let sum: i64 = gains(&fitted.lights).map_or(0, |gains| gains.map(i64::from).iter().sum());
+    sum.unsigned_abs().pow(2)
+}
+
+/// Whether the pixels that the camera limited are about as dark or as bright by the model (`ACCEPT-13`).
+///
+/// The errors of a model are those of [`crate::light::Seen::change`] and of the ink.
+fn limited_pixels_fit(candidate: &Candidate, limits: &Limits, fitted: &Fitted, setting: &Setting<'_>) -> bool {
+    let format = setting.landmark.format;
+    let edges = Edges::new(format, &fitted.homography, Blur::new(fitted.blur), setting.camera);
+    layers(candidate, setting).iter().zip(&fitted.lights).all(|(layer, light)| {
+        let lit = LitLayer::new(layer, format, light);
+        (lit.first_pixel()..=lit.last_pixel()).all(|pixel| {
+            let Some(seen) = lit.at(pixel).filter(|seen| seen.limited != Limited::Not) else { return true };
+            let residual = seen.residual(edges.layer(format, layer.stripes, pixel));
+            let (least, greatest) = seen.limited.range();
+            limits.allow(residual.clamp(least, greatest).unsigned_abs(), fitted)
+        })
+    })
+}
+
+/// The decision margin of a candidate (`ACCEPT-8`), the least of both layers'; see [`margin::least_change`].
+#[must_use]
+pub fn margin(candidate: &Candidate, fitted: &Fitted, setting: &Setting<'_>) -> Squares {
+    let format = setting.landmark.format;
+    let edges = Edges::new(format, &fitted.homography, Blur::new(fitted.blur), setting.camera);
+    let layers = layers(candidate, setting);
+    let read = layers.iter().zip(&fitted.lights).zip(candidate.readings);
+    read.map(|((layer, light), reading)| {
+        let lit = LitLayer::new(layer, format, light);
+        margin::least_change(format, &edges, &lit, reading.half_word)
+    })
+    .fold(Squares::MAX, Squares::min)
+}
+
+fn detection(
+    candidate: &Candidate,
+    decoder: Decoder,
+    setting: &Setting<'_>,
+    homography: Homography,
+    fit: Option<FitSummary>,
+    (camera_in_landmark, covariance): (Pose<frame::Landmark, frame::Camera>, PoseCovariance),
+) -> Detection {
+    let Candidate { payload, readings: [upper, lower] } = *candidate;
+    let format = setting.landmark.format;
+    Detection { format, payload, decoder, upper, lower, homography, fit, camera_in_landmark, covariance }
+}
+
+#[cfg(test)]
+mod tests;

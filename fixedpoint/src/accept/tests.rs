@@ -1,0 +1,343 @@
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // of numbers that are small and positive
+
+use super::*;
+use crate::codeword::encode;
+use crate::drawing::{View, stripes};
+use crate::formats::Obliquity;
+use crate::landmark::Format;
+use crate::observer::Silent;
+use crate::refusal::FitRefusal;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::vec::Vec;
+
+/// Both lines of a view with the readings that are right for it.
+struct Drawn {
+    view: View,
+    landmark: Landmark,
+    lines: [Vec<u8>; 2],
+    candidate: Candidate,
+}
+
+impl Drawn {
+    /// A payload, drawn with its half words on both layers.
+    fn new(view: View, payload: u32, random: &mut ChaCha8Rng) -> Self {
+        let landmark = if view.format == Format::Paper { Landmark::paper() } else { Landmark::wide() };
+        let (upper, lower) = encode(view.format, payload).unwrap();
+        let lines = [upper, lower].map(|half_word| view.line(480, half_word, random));
+        let ends = [view.column(-1.0), view.column(1.0)];
+        let [first_pixel, last_pixel] = [ends[0] + 0.5, ends[1] - 0.5].map(|column| column.round() as u16);
+        let readings = [upper, lower].map(|half_word| Reading { first_pixel, last_pixel, half_word });
+        Self { view, landmark, lines, candidate: Candidate { payload, readings } }
+    }
+
+    fn homography(&self) -> Homography {
+        let View { a, s, k, .. } = self.view;
+        Homography { a: Column::from_num(a), s: Column::from_num(s), k: Obliquity::from_num(k) }
+    }
+
+    fn setting<'a>(&'a self, camera: &'a Camera) -> Setting<'a> {
+        let lines = [self.lines[0].as_slice(), self.lines[1].as_slice()];
+        Setting { lines, camera, landmark: &self.landmark, rule: CrossingRule::Interpolated }
+    }
+
+    fn fitted(&self) -> Result<Fitted, FitRefusal> {
+        let camera = Camera::epuck();
+        let layers = layers(&self.candidate, &self.setting(&camera));
+        fit::fit(&layers, &Start::at(&self.homography()), &camera, self.view.format, Illumination::Even)
+    }
+
+    /// The decision for the layers' homographies as they were drawn, the lower one moved by these.
+    fn decided(&self, a: f64, s: f64, k: f64, rule: CrossingRule) -> Result<Detection, CandidateRefusal> {
+        let camera = Camera::epuck();
+        let upper = self.homography();
+        let moved = View { a: self.view.a + a, s: self.view.s + s, k: self.view.k + k, ..self.view };
+        let lower = Drawn { view: moved, lines: [Vec::new(), Vec::new()], ..*self }.homography();
+        let setting = Setting { rule, ..self.setting(&camera) };
+        accept(&self.candidate, Evidence::Threshold([upper, lower]), &setting, &mut Silent)
+    }
+
+    /// The decision of the trellis' fit.
+    fn accepted_by_trellis(&self) -> Result<Detection, CandidateRefusal> {
+        let (camera, fitted) = (Camera::epuck(), self.fitted().unwrap());
+        accept(&self.candidate, Evidence::Trellis(&fitted), &self.setting(&camera), &mut Silent)
+    }
+
+    fn accepted(&self) -> Result<Detection, CandidateRefusal> {
+        self.decided(0.0, 0.0, 0.0, CrossingRule::Interpolated)
+    }
+}
+
+fn view(pixels: f64, degrees: f64) -> View {
+    View::turned(Format::Paper, pixels, f64::to_radians(degrees))
+}
+
+fn drawn(view: View) -> Drawn {
+    Drawn::new(view, 0xBEEF, &mut ChaCha8Rng::seed_from_u64(7))
+}
+
+#[test]
+fn a_good_view_is_a_detection() {
+    for (pixels, degrees) in [(1.5, 0.0), (3.0, 40.0), (8.0, -60.0)] {
+        let drawn = drawn(view(pixels, degrees));
+        let found = drawn.accepted().unwrap();
+        assert_eq!((found.payload, found.decoder), (0xBEEF, Decoder::Threshold));
+        assert_eq!([found.upper, found.lower], drawn.candidate.readings);
+        let fit = found.fit.unwrap();
+        // Noise 2 and rounding: 4 + 1/12 squared grey levels, known to within a half from at least 40 pixels.
+        assert!((2.0..6.2).contains(&(f64::from(fit.variance) / 65536.0)), "{fit:?}");
+        assert!((fit.blur.to_num::<f64>() - 0.5).abs() < 0.1, "{fit:?}");
+    }
+}
+
+/// `ACCEPT-2`: 1 px in `a` and `s`, `1/20 + 1/s` in `k`, here with `s` = 20 px: a tenth. The merged `s` changes by half of
+/// what the lower one does.
+#[test]
+fn layers_that_disagree_are_refused() {
+    let drawn = drawn(view(2.0, 0.0));
+    let agreed = |a, s, k, rule| drawn.decided(a, s, k, rule) != Err(CandidateRefusal::Disagree);
+    let (rule, whole) = (CrossingRule::Interpolated, CrossingRule::WholePixel);
+    assert!(agreed(1.0, 0.0, 0.0, rule) && agreed(-1.0, 0.0, 0.0, rule) && !agreed(1.001, 0.0, 0.0, rule));
+    assert!(agreed(0.0, 1.0, 0.0, rule) && agreed(0.0, -1.0, 0.0, rule) && !agreed(0.0, -1.001, 0.0, rule));
+    assert!(agreed(0.0, 0.0, 0.099_999, rule) && !agreed(0.0, 0.0, 0.100_001, rule));
+    assert!(agreed(2.0, 2.0, 0.05, whole) && !agreed(2.001, 0.0, 0.0, whole) && !agreed(0.0, 2.001, 0.0, whole));
+    assert!(agreed(0.0, 0.0, -0.149_999, whole) && !agreed(0.0, 0.0, -0.150_001, whole));
+}
+
+/// `ACCEPT-3`: `f |k| <= 3 s`.
+#[test]
+fn what_no_camera_sees_is_too_oblique() {
+    let camera = Camera::epuck();
+    let visible = |s: f64, k: f64| {
+        let (s, k) = (Column::from_num(s), Obliquity::from_num(k));
+        is_visible(&Homography { a: Column::ZERO, s, k }, &camera)
+    };
+    // 640/64 = 10 = 3 * 3.3333
+    assert!(visible(3.334, 1.0 / 64.0) && visible(3.334, -1.0 / 64.0) && !visible(3.333, 1.0 / 64.0));
+    assert!(visible(160.0, 0.75) && !visible(159.999, -0.75));
+    let oblique = Drawn { view: View { k: 0.1, ..view(2.0, 0.0) }, ..drawn(view(2.0, 0.0)) };
+    let oblique = Drawn::new(oblique.view, 0xBEEF, &mut ChaCha8Rng::seed_from_u64(7));
+    assert_eq!(oblique.accepted(), Err(CandidateRefusal::Oblique));
+}
+
+#[test]
+fn contrast_is_asked_of_both_layers() {
+    let accepted = |gains: [f64; 2]| {
+        let gains = gains.map(|gain| LayerLight { gain: (gain * 256.0) as i32, ..LayerLight::default() });
+        has_contrast(&gains)
+    };
+    assert!(accepted([-12.0, -12.0]) && !accepted([-11.996, -12.0]) && !accepted([-12.0, -11.996]));
+    assert!(accepted([-40.0, -80.0]) && accepted([-80.0, -40.0]));
+    assert!(!accepted([-40.0, -80.01]) && !accepted([-80.01, -40.0]) && !accepted([60.0, 60.0]));
+    let dim = View { gain: -10.0, noise: 0.5, ..view(4.0, 0.0) };
+    assert_eq!(drawn(dim).accepted(), Err(CandidateRefusal::Contrast));
+}
+
+#[test]
+fn what_is_too_blurred_is_refused() {
+    let blurred = |blur| drawn(View { blur, noise: 1.0, ..view(4.0, 0.0) });
+    assert!(blurred(0.95).accepted().is_ok() && blurred(0.85).accepted_by_trellis().is_ok());
+    assert_eq!(blurred(1.05).accepted(), Err(CandidateRefusal::Blur));
+    assert_eq!(blurred(0.95).accepted_by_trellis(), Err(CandidateRefusal::Blur));
+}
+
+/// Any fit, with these gains.
+fn fitted_with(gains: [i32; 2]) -> Fitted {
+    let mut fitted = drawn(view(4.0, 0.0)).fitted().unwrap();
+    for (light, gain) in fitted.lights.iter_mut().zip(gains) {
+        light.gain = gain << 8;
+    }
+    fitted
+}
+
+/// `ACCEPT-6`: gains of -160 and -64 allow 100 + 9 and 16 + 9 squared grey levels, and by the trellis 25 + 9 and 4 + 9.
+#[test]
+fn noise_that_is_not_explained_is_refused() {
+    let explained_by = |limits: Limits, variance: f64, gains: [i32; 2]| {
+        limits.explain(&Fitted { variance: (variance * 65536.0) as u32, ..fitted_with(gains) })
+    };
+    let explained = |variance, gains| explained_by(Limits::of(Decoder::Threshold), variance, gains);
+    let by_trellis = |variance, gains| explained_by(Limits::of(Decoder::Trellis), variance, gains);
+    assert!(by_trellis(34.0, [-160, -160]) && !by_trellis(34.001, [-150, -170]));
+    assert!(by_trellis(13.0, [-48, -80]) && !by_trellis(13.001, [-64, -64]));
+    assert!(explained(25.0, [-64, -64]) && !explained(25.001, [-64, -64]));
+    assert!(explained(25.0, [-48, -80]) && explained(109.0, [-160, -160]) && !explained(109.001, [-150, -170]));
+    // Read as another code word, the pixels are not explained.
+    let mut wrong = drawn(view(4.0, 0.0));
+    wrong.candidate.readings[0].half_word ^= 0x0F0;
+    assert_eq!(wrong.accepted(), Err(CandidateRefusal::Misfit));
+}
+
+/// `ACCEPT-7`: gains of -80 ask for 6400/8 and 6400/5 squared grey levels.
+#[test]
+fn margins_depend_on_the_decoder() {
+    let fitted = fitted_with([-70, -90]);
+    let decided = |decoder, margin| Limits::of(decoder).decide(margin, &fitted);
+    assert!(decided(Decoder::Threshold, 800 << 8) && !decided(Decoder::Threshold, (800 << 8) - 1));
+    assert!(decided(Decoder::Trellis, 1280 << 8) && !decided(Decoder::Trellis, (1280 << 8) - 1));
+    assert!(!decided(Decoder::Threshold, -1));
+}
+
+/// `ACCEPT-13`: gains of -160 allow 2 sqrt(109) and 2 sqrt(34) grey levels, 5345.4 and 2985.5 in 2^-8.
+#[test]
+fn limited_pixels_may_be_twice_the_noise_away() {
+    let fitted = fitted_with([-160, -160]);
+    let allowed = |decoder, distance| Limits::of(decoder).allow(distance, &fitted);
+    assert!(allowed(Decoder::Threshold, 5345) && !allowed(Decoder::Threshold, 5346));
+    assert!(allowed(Decoder::Trellis, 2985) && !allowed(Decoder::Trellis, 2986));
+}
+
+/// White is 240 grey levels, which is 255 less 15, between both limits above, and 247, which is nearer than both; in black,
+/// 15 and 8 grey levels. A limited pixel is not fitted, so that nothing else changes.
+#[test]
+fn limited_pixels_are_those_of_the_model() {
+    // 4 px per stripe: the first bar is from 200 to 203, and 197 is in the window.
+    let outcome = |white: f64, pixel: usize, value: u8, trellis: bool| {
+        let mut drawn = drawn(View { white, ..view(4.0, 0.0) });
+        assert_eq!(drawn.candidate.readings[1].first_pixel, 200);
+        drawn.lines[1][pixel] = value;
+        let decided = if trellis { drawn.accepted_by_trellis() } else { drawn.accepted() };
+        decided.map(|_| ())
+    };
+    let misfit = Err(CandidateRefusal::Misfit);
+    for (near, far, pixel, value) in [(247.0, 240.0, 197, 255), (168.0, 175.0, 201, 0)] {
+        assert_eq!((outcome(near, pixel, value, false), outcome(near, pixel, value, true)), (Ok(()), Ok(())));
+        assert_eq!((outcome(far, pixel, value, false), outcome(far, pixel, value, true)), (Ok(()), misfit));
+    }
+    // Pixels that are white by the model and black in the line, or the other way round, and one out of the window.
+    assert_eq!((outcome(200.0, 197, 0, false), outcome(200.0, 201, 255, false)), (misfit, misfit));
+    assert_eq!(outcome(200.0, 195, 0, false), Ok(()));
+}
+
+#[test]
+fn a_threshold_s_candidate_without_a_fit_is_the_paper_s() {
+    // All pixels at their limits: there are none to fit.
+    let mut limited = drawn(view(4.0, 0.0));
+    for pixel in limited.lines.iter_mut().flatten() {
+        *pixel = if *pixel > 100 { 255 } else { 0 };
+    }
+    let found = limited.accepted().unwrap();
+    assert_eq!((found.estimator(), found.homography), (crate::merge::Estimator::Paper, limited.homography()));
+    let camera = Camera::epuck();
+    assert_eq!(found.camera_in_landmark, pose(&found.homography, &camera, &limited.landmark));
+    assert!(found.covariance.xx > 0);
+    // A pair of extents is refused instead, which `trellis` decides.
+    assert_eq!(limited.decided(0.0, 0.0, 0.3, CrossingRule::Interpolated), Err(CandidateRefusal::Disagree));
+}
+
+/// A step of light inside the barcode misfits under even light and is explained by the second fit.
+#[test]
+fn a_step_of_light_is_fitted_second() {
+    let mut shadowed = drawn(view(5.0, 0.0));
+    for line in &mut shadowed.lines {
+        line[250..].iter_mut().for_each(|pixel| *pixel /= 2);
+    }
+    let even = shadowed.fitted();
+    assert!(even.is_err() || !Limits::THRESHOLD.explain(&even.unwrap()));
+    assert!(shadowed.accepted().unwrap().fit.is_some());
+}
+
+/// The margin in float64, from the changes as `ACCEPT-8` lists them, with the fit's own light and edges.
+fn exact_margin(drawn: &Drawn, fitted: &Fitted) -> f64 {
+    let view = View {
+        a: fitted.homography.a.to_num(),
+        s: fitted.homography.s.to_num(),
+        k: fitted.homography.k.to_num(),
+        blur: fitted.blur.to_num(),
+        ..drawn.view
+    };
+    let code = usize::from(view.format.code_stripes());
+    let camera = Camera::epuck();
+    let layers = layers(&drawn.candidate, &drawn.setting(&camera));
+    let mut least = f64::INFINITY;
+    for (layer, light) in layers.iter().zip(&fitted.lights) {
+        let lit = LitLayer::new(layer, view.format, light);
+        let (first, last) = (lit.first_pixel(), lit.last_pixel());
+        let [o, g, os, gs] =
+            [light.offset, light.gain, light.offset_slope, light.gain_slope].map(|x| f64::from(x) / 256.0);
+        let squares = |half_word: u16| -> f64 {
+            let inks = view.ink(480, half_word);
+            (first..=last)
+                .map(|pixel| {
+                    let lambda = (2.0 * f64::from(pixel) - f64::from(first + last)) / f64::from(last - first);
+                    let ink = inks[usize::from(pixel)];
+                    let model = o + g * ink + lambda * (os + gs * ink);
+                    let value = layer.line[usize::from(pixel)];
+                    let counted = match value {
+                        255 => model.min(255.0),
+                        0 => model.max(0.0),
+                        _ => model,
+                    };
+                    (f64::from(value) - counted).powi(2)
+                })
+                .sum()
+        };
+        let half_word = (layer.stripes >> 4 & ((1 << code) - 1)) as u16;
+        let before = squares(half_word);
+        let colours = &stripes(view.format, half_word)[4..4 + code];
+        for start in 0..code {
+            for length in 1..=3.min(code - start) {
+                if colours[start..start + length].windows(2).all(|pair| pair[0] != pair[1]) {
+                    let mask = (start..start + length).fold(0, |mask, stripe| mask | 1 << (code - 1 - stripe));
+                    least = least.min(squares(half_word ^ mask) - before);
+                }
+            }
+        }
+    }
+    least
+}
+
+/// A fit that knows what was drawn, whatever the pixels' limits have taken from it.
+fn true_fit(drawn: &Drawn) -> Fitted {
+    let View { white, gain, blur, .. } = drawn.view;
+    let [offset, gain] = [white, gain].map(|grey| (grey * 256.0) as i32);
+    let light = LayerLight { offset, gain, ..LayerLight::default() };
+    let blur = Column::from_num(blur);
+    Fitted { homography: drawn.homography(), blur, lights: [light; 2].into_iter().collect(), ..fitted_with([0; 2]) }
+}
+
+/// `TRELLIS-11` in `ACCEPT-8`: white of 300 grey levels is seen as 255, black of -45 as 0. What is left
+/// of the contrast, 195 of 240, still decides. The errors of the next test, of 240 grey levels in up to 8 pixels.
+#[test]
+fn limited_pixels_count_in_the_margin() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for (white, gain) in [(300.0, -240.0), (195.0, -240.0)] {
+        for pixels in [1.5, 3.0, 4.0] {
+            let drawn = Drawn::new(View { white, gain, ..view(pixels, 20.0) }, 0xBEEF, &mut random);
+            let Reading { first_pixel, last_pixel, .. } = drawn.candidate.readings[0];
+            let seen = &drawn.lines[0][usize::from(first_pixel)..=usize::from(last_pixel)];
+            assert!(seen.iter().filter(|&&value| matches!(value, 0 | 255)).count() >= 2, "{seen:?}");
+            let (fitted, camera) = (true_fit(&drawn), Camera::epuck());
+            let found = f64::from(margin(&drawn.candidate, &fitted, &drawn.setting(&camera))) / 256.0;
+            let exact = exact_margin(&drawn, &fitted);
+            assert!((found - exact).abs() <= 2.0 * 0.1 * 240.0 * 8.0, "{found} {exact} {:?}", drawn.view);
+            assert!(Limits::TRELLIS.decide((found * 256.0) as i32, &fitted));
+        }
+    }
+}
+
+/// Each pixel's residual and change are rounded to 2^-7, besides 2^-8 and 2^-15 of 160 grey levels of a product, 2^-9 and
+/// 2^-9 of the light and 1.5e-4 of 160 grey levels for the ink of each edge: together below 0.1 grey levels. A change of
+/// at most 160 in at most 12 pixels a few of which it fills is off by at most 2 * 0.1 * 160 * 5.
+#[test]
+fn the_margin_is_the_least_of_all_changes() {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let mut compared = 0;
+    for round in 0..60 {
+        let format = if round % 2 == 0 { Format::Paper } else { Format::Wide };
+        let payload = random.random::<u32>() >> (32 - format.payload_bits());
+        if encode(format, payload).is_err() {
+            continue;
+        }
+        let angle: f64 = random.random_range(-1.0..1.0);
+        let view = View::turned(format, [1.2, 1.5, 2.0, 4.0][round % 4], angle).at(random.random_range(-60.0..60.0));
+        let drawn = Drawn::new(View { blur: random.random_range(0.3..0.9), ..view }, payload, &mut random);
+        let Ok(fitted) = drawn.fitted() else { continue };
+        let camera = Camera::epuck();
+        let found = f64::from(margin(&drawn.candidate, &fitted, &drawn.setting(&camera))) / 256.0;
+        let exact = exact_margin(&drawn, &fitted);
+        assert!((found - exact).abs() <= 160.0, "{found} {exact} {:?}", drawn.view);
+        compared += 1;
+    }
+    assert!(compared > 40);
+}

@@ -1,0 +1,347 @@
+//! The model of one layer: its window, its light, its share of the normal equations.
+
+use super::light;
+use super::step::Shortened;
+use super::{FitLayer, Illumination, LayerLight, Plan};
+use crate::binary;
+use crate::edge::Blur;
+use crate::elimination::{Equations, SOLUTION_BITS};
+use crate::landmark::Format;
+use crate::projection::Projection;
+use crate::ratio;
+use crate::sweep::{InkedPixel, Sweep};
+use core::ops::RangeInclusive;
+
+/// Fraction bits of the derivatives by a layer's own parameters; those by the others have about as many.
+const OWN_BITS: i32 = 10;
+
+/// The bits that derivatives have beyond [`OWN_BITS`] where they meet the residuals.
+const FINER_BITS: i32 = 4;
+
+/// What added to the diagonal of the layer's own block keeps it positive: 2^-8 (`FIT-8`).
+const RIDGE: i64 = 1 << (2 * OWN_BITS - 8);
+
+/// The largest value of a gain or an offset: 511 grey levels in 2^-8.
+const BRIGHTEST: i64 = 511 << 8;
+
+/// A layer while it is fitted.
+#[derive(Clone, Debug)]
+pub(super) struct LayerModel<'a> {
+    line: &'a [u8],
+    stripes: u32,
+    /// First and last pixel of the window (`FIT-1`).
+    first: u16,
+    last: u16,
+    /// Pixels that a guard fit leaves out (`TRELLIS-2`).
+    hidden: Option<RangeInclusive<u16>>,
+    /// Whether the light may change along the window.
+    sloped: bool,
+    pub(super) light: LayerLight,
+}
+
+impl<'a> LayerModel<'a> {
+    /// The window and the start of a layer (`FIT-1`, `FIT-7`).
+    #[inline(never)] // likewise
+    pub(super) fn new(
+        layer: &FitLayer<'a>,
+        format: Format,
+        origin: i32,
+        projection: &Projection,
+        blur: &Blur,
+        plan: Plan,
+    ) -> Self {
+        let extent = layer.last_pixel.saturating_sub(layer.first_pixel).saturating_add(1);
+        let margin = (extent / u16::from(format.stripes() / 2)).min(4);
+        let end = u16::try_from(layer.line.len()).unwrap_or(u16::MAX).saturating_sub(1);
+        let (first, last) =
+            (layer.first_pixel.saturating_sub(margin), layer.last_pixel.saturating_add(margin).min(end));
+        let window = layer.line.get(usize::from(first)..=usize::from(last)).unwrap_or(&[]);
+        let brightest = window.iter().copied().max().unwrap_or(0);
+        let darkest = window.iter().copied().min().unwrap_or(0);
+        let gain = i32::from(darkest) - i32::from(brightest);
+        let mut model = Self {
+            line: layer.line,
+            stripes: layer.stripes,
+            first,
+            last,
+            hidden: None,
+            sloped: plan != Plan::Guards,
+            light: LayerLight { offset: i32::from(brightest) << 8, gain: gain << 8, ..LayerLight::default() },
+        };
+        match plan {
+            Plan::Code(Illumination::Even) => {}
+            Plan::Code(Illumination::Step) => {
+                let sweep = || Sweep::new(projection, layer.stripes, format, blur, i32::from(first) - origin);
+                model.light.step = light::step(window, sweep, gain).and_then(|place| first.checked_add(place));
+            }
+            Plan::Guards => model.hidden = code_pixels(format, origin, projection),
+        }
+        model
+    }
+
+    /// The pixels of the window and their values, `None` for those that are left out (`FIT-4`, `FIT-5`, `TRELLIS-2`).
+    fn values(&self) -> impl Iterator<Item = (u16, Option<u8>)> {
+        let window = self.line.get(usize::from(self.first)..=usize::from(self.last)).unwrap_or(&[]);
+        (self.first..).zip(window).map(|(pixel, &value)| {
+            let hidden = self.hidden.as_ref().is_some_and(|hidden| hidden.contains(&pixel));
+            let left_out = value == 0 || value == u8::MAX || hidden || self.light.step == Some(pixel);
+            (pixel, (!left_out).then_some(value))
+        })
+    }
+
+    /// The number of pixels that count.
+    pub(super) fn pixels(&self) -> u16 {
+        self.values().map(|(_, value)| u16::from(value.is_some())).sum()
+    }
+
+    /// The layer's normal equations, its own parameters eliminated (`FIT-8`); `None` if they are not positive definite.
+    #[inline(never)] // its stack is not the others'
+    pub(super) fn equations(
+        &self,
+        projection: &Projection,
+        format: Format,
+        blur: &Blur,
+        origin: i32,
+        into: &mut LayerEquations,
+    ) -> Option<()> {
+        let units = Units::of(&self.light, projection);
+        let mut sweep = Sweep::new(projection, self.stripes, format, blur, i32::from(self.first) - origin);
+        let mut sums = Sums::default();
+        let places = self.places();
+        for (pixel, value) in self.values() {
+            let inked = sweep.pixel();
+            if let Some(value) = value {
+                sums.add(value, self.lambda(pixel, places), &self.light, &inked, &units);
+            }
+        }
+        let equations = &mut into.equations;
+        equations.scale(|i, j| sums.entry(i, j));
+        for own in 0..4 {
+            equations.eliminate(own)?;
+        }
+        for (exponent, bits) in equations.exponents.iter_mut().zip(units.bits()) {
+            *exponent -= bits;
+        }
+        into.squares = sums.squares;
+        Some(())
+    }
+
+    /// `2^22/(r - l)`, rounded down, of the window's ends (`FIT-3`).
+    fn places(&self) -> i32 {
+        (1_i32 << 22).checked_div(i32::from(self.last) - i32::from(self.first)).unwrap_or(0)
+    }
+
+    /// `λ_i` in 2^-12 (`FIT-3`, `FIT-4`), rounded towards -∞ of a value less than 640 · 2^-22 off; 0 if the light does not
+    /// change.
+    fn lambda(&self, pixel: u16, places: i32) -> i32 {
+        let (first, last, pixel) = (i32::from(self.first), i32::from(self.last), i32::from(pixel));
+        match self.light.step {
+            _ if !self.sloped => 0,
+            Some(step) if pixel < i32::from(step) => -(1 << 12),
+            Some(_) => 1 << 12,
+            None => ((2 * pixel - first - last) * places) >> 10,
+        }
+    }
+
+    /// The layer's own step, which follows from the common one (`FIT-8`, `FIT-9`).
+    #[inline(never)] // likewise
+    pub(super) fn follow(&mut self, equations: &LayerEquations, step: &Shortened) {
+        let own = equations.own_step(step);
+        let light = &mut self.light;
+        let parameters = [&mut light.offset, &mut light.gain, &mut light.offset_slope, &mut light.gain_slope];
+        for (parameter, change) in parameters.into_iter().zip(own) {
+            let value = i64::from(*parameter).saturating_add(change).clamp(-BRIGHTEST, BRIGHTEST);
+            *parameter = i32::try_from(value).unwrap_or_default();
+        }
+    }
+}
+
+/// The pixels whose middle lies between the outer edges of the code, widened by 3/2 px (`TRELLIS-2`).
+///
+/// An edge's rounding, 2^-16 px, counts as between.
+fn code_pixels(format: Format, origin: i32, projection: &Projection) -> Option<RangeInclusive<u16>> {
+    const WIDENED: i32 = (3 << 15) + 2;
+    let guard = usize::from((format.stripes() - format.code_stripes()) / 2);
+    let left = projection.column(guard)? - WIDENED;
+    let right = projection.column(usize::from(format.stripes()) - guard)? + WIDENED;
+    let first = origin + ((left + 0xFFFF) >> 16);
+    let last = origin + (right >> 16);
+    Some(u16::try_from(first.max(0)).ok()?..=u16::try_from(last).ok()?)
+}
+
+/// The powers of two that a layer's derivatives are in units of.
+#[derive(Clone, Copy, Debug)]
+struct Units {
+    /// Fraction bits of the gain, of which the largest along the window then has 10 bits.
+    gain: i32,
+    /// Those of [`Projection::growth_bits`] and [`Projection::reach_bits`].
+    growth: i32,
+    reach: i32,
+}
+
+impl Units {
+    fn of(light: &LayerLight, projection: &Projection) -> Self {
+        let largest = i64::from(light.gain.abs()) + i64::from(light.gain_slope.abs());
+        Self {
+            gain: 8 + OWN_BITS - binary::size(largest),
+            growth: i32::from(projection.growth_bits),
+            reach: i32::from(projection.reach_bits),
+        }
+    }
+
+    /// Fraction bits of all columns: own derivatives, common ones, residuals.
+    fn bits(&self) -> [i32; 9] {
+        let motion = self.gain - self.growth;
+        [OWN_BITS, OWN_BITS, OWN_BITS, OWN_BITS, motion, motion, motion - self.reach, self.gain, 8]
+    }
+}
+
+/// Sums of products of derivatives and residuals.
+///
+/// Derivatives are at most 2^10, so the sums over 640 px are at most 640 · 2^20 < 2^29.4. Residuals are less than 2^16.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Own by own, then common by common: the upper triangles by rows.
+    own: [i32; 10],
+    common: [i32; 10],
+    /// A row for each own parameter.
+    mixed: [[i32; 4]; 4],
+    /// By the residual.
+    right: [i64; 8],
+    /// Residual by residual, 16 fraction bits.
+    squares: i64,
+}
+
+impl Sums {
+    /// Adds a pixel.
+    ///
+    /// Rounding errors of the residual, in grey levels: 2^-9 each from the offset and the product, and the gain's 2^-9 times
+    /// the ink.
+    fn add(&mut self, value: u8, lambda: i32, light: &LayerLight, inked: &InkedPixel, units: &Units) {
+        let gain = (light.gain + ((light.gain_slope * lambda + (1 << 11)) >> 12)).clamp(-(511 << 8), 511 << 8);
+        let offset = light.offset + ((light.offset_slope * lambda + (1 << 11)) >> 12);
+        let ink = (inked.ink + 2) >> 2; // 14 fraction bits
+        // All bits of the ink: what is dropped differs from step to step, and FIT-11 would take that for a way still to go.
+        let inked_part = (i64::from(gain) * i64::from(inked.ink) + (1 << 15)) >> 16;
+        let model = i64::from(offset) + inked_part;
+        let residual = ((i64::from(value) << 8) - model).clamp(-0xFFFF, 0xFFFF);
+        let residual = i32::try_from(residual).unwrap_or_default();
+
+        let fine = [1 << 14, ink, lambda << 2, (lambda * ink + (1 << 11)) >> 12];
+        let own = fine.map(coarse);
+        add(&mut self.own, triangle(own));
+        let [for_own @ .., a, s, k, blur] = &mut self.right;
+        for (sum, derivative) in for_own.iter_mut().zip(fine) {
+            *sum += i64::from(derivative * residual);
+        }
+        self.squares += i64::from(residual.unsigned_abs() * residual.unsigned_abs());
+        if !inked.active {
+            return;
+        }
+        let fine = common(inked, units.scaled_gain(gain), units);
+        let common = fine.map(coarse);
+        add(&mut self.common, triangle(common));
+        for (row, derivative) in self.mixed.iter_mut().zip(own) {
+            add(row, common.map(|other| derivative * other));
+        }
+        for (sum, derivative) in [a, s, k, blur].into_iter().zip(fine) {
+            *sum += i64::from(derivative * residual);
+        }
+    }
+}
+
+impl Units {
+    /// A gain of 8 fraction bits in units of the derivatives, at most 2^10.
+    fn scaled_gain(&self, gain: i32) -> i32 {
+        let surplus = 8 - self.gain;
+        let scaled = match u32::try_from(surplus) {
+            Ok(surplus) => gain.saturating_add((1 << surplus) >> 1) >> surplus,
+            Err(_) => gain << surplus.unsigned_abs(),
+        };
+        scaled.clamp(-(1 << OWN_BITS), 1 << OWN_BITS)
+    }
+}
+
+/// The derivatives of a pixel by `a`, `s`, `k` and σ, fine, limited to 2^14: only edges that are nearer to each other than
+/// any that were decoded reach that.
+fn common(inked: &InkedPixel, gain: i32, units: &Units) -> [i32; 4] {
+    let limited = |value: i32| value.clamp(-(1 << 14), 1 << 14);
+    let dropped = 15 - FINER_BITS + units.growth;
+    let [a, s, k] = inked.motion.map(|motion| limited(((motion >> 9) * gain + (1 << dropped >> 1)) >> dropped));
+    [a, s, k, limited((inked.spread * gain + (1 << 11)) >> (16 - FINER_BITS))]
+}
+
+/// A fine derivative with 10 bits.
+fn coarse(derivative: i32) -> i32 {
+    (derivative + (1 << FINER_BITS >> 1)) >> FINER_BITS
+}
+
+/// The upper triangle of the products of four numbers, by rows.
+fn triangle([a, b, c, d]: [i32; 4]) -> [i32; 10] {
+    [a * a, a * b, a * c, a * d, b * b, b * c, b * d, c * c, c * d, d * d]
+}
+
+fn add<const M: usize>(sums: &mut [i32; M], terms: [i32; M]) {
+    for (sum, term) in sums.iter_mut().zip(terms) {
+        *sum += term;
+    }
+}
+
+impl Sums {
+    /// The entry `(i, j)`, `i <= j`, of the normal equations in the columns own, common, residual.
+    fn entry(&self, i: usize, j: usize) -> i64 {
+        let (own, other) = (i < 4, j < 4);
+        let ridge = if own && i == j { RIDGE } else { 0 };
+        let sum = match (own, other) {
+            _ if i == 8 => return self.squares,
+            _ if j == 8 => return ratio::dropped(self.right.get(i).copied().unwrap_or_default(), 4),
+            (true, true) => self.own.get(in_triangle(i, j)),
+            (true, false) => self.mixed.get(i).and_then(|row| row.get(j.saturating_sub(4))),
+            _ => self.common.get(in_triangle(i.saturating_sub(4), j.saturating_sub(4))),
+        };
+        i64::from(sum.copied().unwrap_or_default()) + ridge
+    }
+}
+
+/// The place of `(i, j)`, `i <= j < 4`, in an upper triangle by rows.
+fn in_triangle(i: usize, j: usize) -> usize {
+    (i * (7_usize.saturating_sub(i))) / 2 + j
+}
+
+/// A layer's share of the normal equations.
+#[derive(Clone, Debug)]
+pub(super) struct LayerEquations {
+    /// In the order own parameters (eliminated), `a`, `s`, `k`, σ, residuals; exponents for grey levels and px.
+    pub(super) equations: Equations<9>,
+    /// The sum of the squared residuals, 16 fraction bits.
+    pub(super) squares: i64,
+}
+
+impl LayerEquations {
+    /// A place for a layer's equations.
+    pub(super) fn empty() -> Self {
+        Self { equations: Equations::empty(), squares: 0 }
+    }
+
+    /// The change of the own parameters in 2^-8 grey levels.
+    fn own_step(&self, step: &Shortened) -> [i64; 4] {
+        let mut solution = [0; 9];
+        let exponents = self.equations.exponents;
+        let [own @ .., _, _, _, _, right] = exponents;
+        let [_, _, _, _, common @ .., _] = exponents;
+        let [_, _, _, _, known @ .., _] = &mut solution;
+        for ((place, change), exponent) in known.iter_mut().zip(step.changes).zip(common) {
+            // Units of this layer's columns.
+            *place = change.scaled(exponent - right + i32::from(SOLUTION_BITS)).clamp(-(1 << 32), 1 << 32);
+        }
+        for pivot in (0..4).rev() {
+            self.equations.substitute(pivot, &mut solution);
+        }
+        let [change @ .., _, _, _, _, _] = solution;
+        let mut changes = [0; 4];
+        for ((place, value), exponent) in changes.iter_mut().zip(change).zip(own) {
+            *place = binary::scaled(value, right - exponent - i32::from(SOLUTION_BITS) + 8);
+        }
+        changes
+    }
+}

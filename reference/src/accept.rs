@@ -1,0 +1,423 @@
+//! What a candidate must be like to be a detection (ACCEPT).
+
+use crate::camera::Camera;
+use crate::covariance::{UncertainPose, paper, transform};
+use crate::crossing::CrossingRule;
+use crate::decode::DecodedLayer;
+use crate::fit::{FitLayer, Fitted, Illumination, Imaging, START_BLUR, Window, difference, fit, inks, mean_gain};
+use crate::homography::Homography;
+use crate::landmark::{Format, GUARD_PAIRS, Landmark, stripes};
+use crate::merge::Decoder;
+use crate::observer::Observer;
+use crate::pose::pose;
+use crate::refusal::CandidateRefusal;
+use crate::trellis::weights;
+use nalgebra::Matrix3;
+
+/// Largest `f |k|/s`, the tangent of the inclination (ACCEPT-3).
+pub const MAX_TANGENT: f64 = 3.0;
+
+/// Smallest contrast, grey levels (ACCEPT-4).
+pub const MIN_CONTRAST: f64 = 12.0;
+
+/// Largest ratio of the gains of both layers (ACCEPT-4).
+pub const MAX_GAIN_RATIO: f64 = 2.0;
+
+/// Standard deviation of a pixel about its model that is always allowed, grey levels (ACCEPT-6).
+pub const ALLOWED_NOISE: f64 = 3.0;
+
+/// What is asked of a fit, by the decoder that led to it: TRELLIS finds a word in anything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Largest blur, pixels (ACCEPT-5).
+    pub blur: f64,
+    /// Standard deviation of a pixel about its model, besides [`ALLOWED_NOISE`], by the contrast (ACCEPT-6).
+    pub share: f64,
+    /// Smallest decision margin by the squared contrast (ACCEPT-7).
+    pub margin: f64,
+}
+
+impl Limits {
+    /// Those of a decoder.
+    #[must_use]
+    pub fn of(decoder: Decoder) -> Self {
+        match decoder {
+            Decoder::Threshold => Self { blur: 1.0, share: 1.0 / 16.0, margin: 1.0 / 8.0 },
+            Decoder::Trellis => Self { blur: 0.9, share: 1.0 / 32.0, margin: 1.0 / 5.0 },
+        }
+    }
+
+    /// `v`, what ACCEPT-6 allows for the fit's mean gain, squared grey levels.
+    #[must_use]
+    pub fn variance(&self, fitted: &Fitted) -> f64 {
+        let share = self.share * mean_gain(&fitted.lights);
+        share * share + ALLOWED_NOISE * ALLOWED_NOISE
+    }
+
+    /// ACCEPT-6
+    fn explain(&self, fitted: &Fitted) -> bool {
+        fitted.variance <= self.variance(fitted)
+    }
+}
+
+/// What ACCEPT asks of a quantity: that it is at most its limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Test {
+    /// Why a candidate is refused that fails it.
+    pub refusal: CandidateRefusal,
+    /// The quantity, at least 0.
+    pub value: f64,
+    /// Its limit.
+    pub limit: f64,
+}
+
+impl Test {
+    fn holds(&self) -> bool {
+        self.value <= self.limit
+    }
+
+    /// How far the quantity is below its limit, as a share of the larger of both; negative if the test fails.
+    #[must_use]
+    pub fn slack(&self) -> f64 {
+        (self.limit - self.value) / self.limit.abs().max(self.value.abs()).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// The refusal of the first test that fails (ACCEPT-9).
+fn first_failure<O: Observer>(tests: &[Test], observer: &mut O) -> Result<(), CandidateRefusal> {
+    observer.tested(tests);
+    tests.iter().find(|test| !test.holds()).map_or(Ok(()), |test| Err(test.refusal))
+}
+
+/// A fit that explains the pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AcceptedFit {
+    /// The fit.
+    pub fitted: Fitted,
+    /// The decision margin, squared grey levels (ACCEPT-8).
+    pub margin: f64,
+}
+
+/// What is known about an accepted candidate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accepted {
+    /// The fitted homography, or the merged one (ACCEPT-10).
+    pub homography: Homography,
+    /// The fit, `None` for the paper's estimate.
+    pub fit: Option<AcceptedFit>,
+    /// The pose and its covariance.
+    pub pose: UncertainPose,
+}
+
+/// The two scan lines and who looks at them.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// Scan lines, upper first.
+    pub lines: [&'a [u8]; 2],
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The landmark that is looked for.
+    pub landmark: &'a Landmark,
+    /// Where transitions lie.
+    pub rule: CrossingRule,
+}
+
+/// Decides on two decoded layers that make a code word (ACCEPT-1 to ACCEPT-12).
+pub fn accept<O: Observer>(
+    layers: [&DecodedLayer; 2],
+    view: &View<'_>,
+    observer: &mut O,
+) -> Result<Accepted, CandidateRefusal> {
+    let [upper, lower] = layers.map(|layer| layer.homography);
+    let merged = upper.mean(&lower);
+    first_failure(&agreement(&upper, &lower, &merged, view.rule), observer)?;
+    let colours = layers.map(|layer| stripes(view.landmark.format, layer.half_word));
+    let fitted_layers = [0, 1].map(|i| FitLayer {
+        line: view.lines[i],
+        first_pixel: layers[i].hypothesis.first_pixel,
+        last_pixel: layers[i].hypothesis.last_pixel,
+        stripes: &colours[i],
+    });
+    match best_fit(&fitted_layers, &merged, view, observer) {
+        Some(fitted) => accept_fit(&fitted_layers, fitted, Decoder::Threshold, view, observer),
+        None => first_failure(&[visibility(&merged, view.camera)], observer).map(|()| unfitted(&merged, view)),
+    }
+}
+
+/// ACCEPT-2
+fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, rule: CrossingRule) -> [Test; 3] {
+    let slack = if rule == CrossingRule::WholePixel { 1.0 } else { 0.0 };
+    let pixels = 1.0 + slack;
+    let test = |value: f64, limit| Test { refusal: CandidateRefusal::Disagree, value: value.abs(), limit };
+    [
+        test(upper.a - lower.a, pixels),
+        test(upper.s - lower.s, pixels),
+        test((upper.k - lower.k) * merged.s, merged.s / 20.0 + pixels),
+    ]
+}
+
+/// The fit under even light, or under a step of light if that does not explain the pixels (ACCEPT-1).
+fn best_fit<O: Observer>(
+    layers: &[FitLayer<'_>; 2],
+    merged: &Homography,
+    view: &View<'_>,
+    observer: &mut O,
+) -> Option<Fitted> {
+    let start = Imaging { homography: *merged, blur: START_BLUR };
+    let mut under = |illumination: Illumination| {
+        let fitted = fit(layers, &start, illumination, view.camera, view.landmark.format);
+        observer.fitted(fitted.as_ref().map_err(|refusal| *refusal));
+        fitted.ok()
+    };
+    let even = under(Illumination::Even);
+    let explain = |fitted: &Fitted| Limits::of(Decoder::Threshold).explain(fitted);
+    if even.as_ref().is_some_and(explain) { even } else { under(Illumination::Step).or(even) }
+}
+
+/// ACCEPT-3
+fn visibility(homography: &Homography, camera: &Camera) -> Test {
+    let (value, limit) = (camera.focal_length * homography.k.abs(), MAX_TANGENT * homography.s);
+    Test { refusal: CandidateRefusal::Oblique, value, limit }
+}
+
+/// ACCEPT-4
+fn contrast(fitted: &Fitted) -> [Test; 2] {
+    let least = fitted.lights.iter().map(|light| -light.gain).fold(f64::INFINITY, f64::min);
+    let most = fitted.lights.iter().map(|light| -light.gain).fold(f64::NEG_INFINITY, f64::max);
+    let test = |value, limit| Test { refusal: CandidateRefusal::Contrast, value, limit };
+    [test(MIN_CONTRAST, least), test(most, MAX_GAIN_RATIO * least)]
+}
+
+/// By how much the model of a limited pixel is within 0 to 255 at the most, grey levels (ACCEPT-13).
+fn limited_excess(layers: &[FitLayer<'_>; 2], fitted: &Fitted, view: &View<'_>) -> f64 {
+    let format = view.landmark.format;
+    let excesses = layers.iter().zip(&fitted.lights).flat_map(|(layer, light)| {
+        let window = Window::of(layer.first_pixel, layer.last_pixel, format, layer.line.len());
+        let inks = inks(&fitted.imaging, view.camera, format, layer.stripes, (window.first, window.last));
+        (window.first..).zip(inks).filter(|&(pixel, _)| light.step != Some(pixel)).map(move |(pixel, ink)| {
+            let model = light.white_at(&window, pixel) + light.gain_at(&window, pixel) * ink.ink;
+            match layer.line[pixel] {
+                255 => 255.0 - model,
+                0 => model,
+                _ => 0.0,
+            }
+        })
+    });
+    excesses.fold(0.0, f64::max)
+}
+
+/// Decides on a fit (ACCEPT-3 to ACCEPT-9, ACCEPT-12).
+pub fn accept_fit<O: Observer>(
+    layers: &[FitLayer<'_>; 2],
+    fitted: Fitted,
+    decoder: Decoder,
+    view: &View<'_>,
+    observer: &mut O,
+) -> Result<Accepted, CandidateRefusal> {
+    let limits = Limits::of(decoder);
+    let margin = margin(layers, &fitted, view.camera, view.landmark.format);
+    let homography = fitted.imaging.homography;
+    let gain = mean_gain(&fitted.lights);
+    let variance = limits.variance(&fitted);
+    let test = |refusal, value, limit| Test { refusal, value, limit };
+    let [contrast, balance] = contrast(&fitted);
+    let tests = [
+        visibility(&homography, view.camera),
+        contrast,
+        balance,
+        test(CandidateRefusal::Blur, fitted.imaging.blur, limits.blur),
+        test(CandidateRefusal::Misfit, fitted.variance, variance),
+        test(CandidateRefusal::Misfit, limited_excess(layers, &fitted, view), 2.0 * variance.sqrt()),
+        test(CandidateRefusal::Margin, limits.margin * gain * gain, margin),
+        determination(&homography, &fitted.covariance, view.camera),
+    ];
+    first_failure(&tests, observer)?;
+    let pose = transform(&homography, &fitted.covariance, view.camera, view.landmark);
+    Ok(Accepted { homography, fit: Some(AcceptedFit { fitted, margin }), pose })
+}
+
+/// Whether a Gaussian can say how uncertain the heading is (COV-4).
+fn determination(homography: &Homography, covariance: &Matrix3<f64>, camera: &Camera) -> Test {
+    let value = camera.focal_length * covariance[(2, 2)].sqrt();
+    Test { refusal: CandidateRefusal::Undetermined, value, limit: homography.s / 4.0 }
+}
+
+/// The paper's estimate (ACCEPT-10).
+fn unfitted(merged: &Homography, view: &View<'_>) -> Accepted {
+    let camera_in_landmark = pose(merged, view.camera, view.landmark);
+    let covariance = paper(&camera_in_landmark, view.camera);
+    Accepted { homography: *merged, fit: None, pose: UncertainPose { camera_in_landmark, covariance } }
+}
+
+/// The decision margin of a fit, squared grey levels (ACCEPT-8).
+#[must_use]
+pub fn margin(layers: &[FitLayer<'_>], fitted: &Fitted, camera: &Camera, format: Format) -> f64 {
+    let mut least = f64::INFINITY;
+    for (layer, light) in layers.iter().zip(&fitted.lights) {
+        let window = Window::of(layer.first_pixel, layer.last_pixel, format, layer.line.len());
+        let pixels = (window.first, window.last);
+        let weights = weights(&fitted.imaging, camera, format, pixels);
+        let inks = inks(&fitted.imaging, camera, format, layer.stripes, pixels);
+        // Of each pixel that counts: its place, its value, its gain and its model.
+        let modelled: Vec<(usize, u8, f64, f64)> = (window.first..)
+            .zip(&inks)
+            .filter(|&(pixel, _)| light.step != Some(pixel))
+            .map(|(pixel, ink)| {
+                let gain = light.gain_at(&window, pixel);
+                (pixel - window.first, layer.line[pixel], gain, light.white_at(&window, pixel) + gain * ink.ink)
+            })
+            .collect();
+        for changed in alternating(layer.stripes, format) {
+            let change = |i: usize| {
+                let turn = |j: usize| if layer.stripes[j] { -weights[j][i] } else { weights[j][i] };
+                changed.clone().map(turn).sum::<f64>()
+            };
+            let grows = modelled.iter().map(|&(i, value, gain, model)| {
+                let (now, then) = (difference(value, model), difference(value, model + gain * change(i)));
+                then * then - now * now
+            });
+            least = least.min(grows.sum());
+        }
+    }
+    least
+}
+
+/// Runs of one to three code stripes of which each differs from the next.
+fn alternating(stripes: &[bool], format: Format) -> Vec<core::ops::Range<usize>> {
+    let guard = 2 * GUARD_PAIRS;
+    let code = guard..guard + format.code_stripes();
+    let starts = code.clone().flat_map(|first| (1..=3).map(move |length| first..first + length));
+    starts.filter(|run| run.end <= code.end && stripes[run.clone()].windows(2).all(|pair| pair[0] != pair[1])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codeword;
+    use crate::detect::detect;
+    use crate::frame::Pose;
+    use crate::merge::Detection;
+    use crate::observer::Silent;
+    use crate::render::{Light, Posted, Scene, Sensor, render};
+    use core::f64::consts::PI;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    const PAYLOAD: u32 = 0xcc0d;
+
+    fn lines(pose: (f64, f64, f64)) -> [Vec<u8>; 2] {
+        let landmark = Landmark::new(Format::Paper);
+        let posted = Posted { landmark_in_world: Pose::new(0.0, 0.0, 0.0), landmark, payload: PAYLOAD };
+        let camera_in_world = Pose::new(pose.0, pose.1, pose.2);
+        let (light, sensor) = (Light::default(), Sensor::default());
+        let scene = Scene { camera_in_world, landmarks: vec![posted], clutter: vec![], light, sensor };
+        render(&Camera::epuck(), &scene, &mut ChaCha8Rng::seed_from_u64(3)).unwrap()
+    }
+
+    fn found(lines: &[Vec<u8>; 2]) -> Detection {
+        let landmarks = [Landmark::new(Format::Paper)];
+        let rule = CrossingRule::Interpolated;
+        detect(&lines[0], &lines[1], &Camera::epuck(), &landmarks, rule, &mut Silent).remove(0)
+    }
+
+    /// A landmark at 30 cm, and what `change` makes of its lines, stripes and fit.
+    fn judged(
+        decoder: Decoder,
+        change: impl FnOnce(&mut [Vec<u8>; 2], &mut [Vec<bool>; 2], &mut Fitted),
+    ) -> Result<(), CandidateRefusal> {
+        let mut lines = lines((0.3, 0.0, PI));
+        let detection = found(&lines);
+        let mut colours = codeword::layers(Format::Paper, PAYLOAD).unwrap();
+        let mut fitted = detection.fit.unwrap().fitted;
+        change(&mut lines, &mut colours, &mut fitted);
+        let readings = [detection.upper, detection.lower];
+        let layers = [0, 1].map(|i| FitLayer {
+            line: &lines[i],
+            first_pixel: readings[i].first_pixel,
+            last_pixel: readings[i].last_pixel,
+            stripes: &colours[i],
+        });
+        let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
+        let view = View { lines: [&lines[0], &lines[1]], camera, landmark, rule: CrossingRule::Interpolated };
+        accept_fit(&layers, fitted, decoder, &view, &mut Silent).map(|_| ())
+    }
+
+    #[test]
+    fn each_limit_refuses_by_its_name() {
+        use CandidateRefusal as Why;
+        use Decoder::{Threshold, Trellis};
+        assert_eq!(judged(Threshold, |_, _, _| ()), Ok(()));
+        assert_eq!(judged(Trellis, |_, _, _| ()), Ok(()));
+        let oblique = |k: f64| {
+            judged(Threshold, |_, _, fitted| {
+                let h = &mut fitted.imaging.homography;
+                h.k = k * h.s / 640.0;
+            })
+        };
+        assert_eq!(oblique(3.01), Err(Why::Oblique));
+        assert_ne!(oblique(2.99), Err(Why::Oblique));
+        let gains = |upper, lower| {
+            judged(Threshold, |_, _, fitted| {
+                (fitted.lights[0].gain, fitted.lights[1].gain) = (upper, lower);
+            })
+        };
+        assert_eq!(gains(-11.9, -20.0), Err(Why::Contrast));
+        assert_eq!(gains(-70.0, -150.0), Err(Why::Contrast));
+        assert_ne!(gains(-80.0, -150.0), Err(Why::Contrast));
+        let blurred = |decoder, blur| judged(decoder, |_, _, fitted| fitted.imaging.blur = blur);
+        assert_eq!(blurred(Threshold, 1.01), Err(Why::Blur));
+        assert_ne!(blurred(Threshold, 0.99), Err(Why::Blur));
+        assert_eq!(blurred(Trellis, 0.91), Err(Why::Blur));
+        // (160/16)² + 9 and (160/32)² + 9, about.
+        let noisy = |decoder, variance| judged(decoder, |_, _, fitted| fitted.variance = variance);
+        assert_eq!((noisy(Threshold, 100.0), noisy(Threshold, 115.0)), (Ok(()), Err(Why::Misfit)));
+        assert_eq!((noisy(Trellis, 32.0), noisy(Trellis, 36.0)), (Ok(()), Err(Why::Misfit)));
+        let turned = judged(Threshold, |_, colours, _| colours[1][9] ^= true);
+        assert_eq!(turned, Err(Why::Margin));
+        // s is 32 px: a heading known to a quarter of a radian has a k known to 1/80.
+        let uncertain =
+            |deviation: f64| judged(Threshold, |_, _, fitted| fitted.covariance[(2, 2)] = deviation * deviation);
+        assert_eq!((uncertain(0.0120), uncertain(0.0130)), (Ok(()), Err(Why::Undetermined)));
+    }
+
+    #[test]
+    fn a_limited_pixel_must_be_what_the_model_says() {
+        let limited = |value: u8, where_black: bool| {
+            judged(Decoder::Threshold, |lines, _, _| {
+                // The darkest pixel is in the middle of a bar.
+                let (pixel, _) = lines[0].iter().enumerate().min_by_key(|(_, grey)| **grey).unwrap();
+                let pixel = if where_black { pixel } else { 200 };
+                lines[0][pixel] = value;
+            })
+        };
+        assert_eq!(limited(255, true), Err(CandidateRefusal::Misfit));
+        // 40 is more than two tolerances of 10.4 above 0.
+        assert_eq!(limited(0, true), Err(CandidateRefusal::Misfit));
+        // Pixel 200 is outside the window.
+        assert_eq!(limited(0, false), Ok(()));
+    }
+
+    #[test]
+    fn layers_that_are_not_seen_from_one_place_disagree() {
+        let h = Homography { a: 10.0, s: 30.0, k: 0.1 };
+        let agree = |da: f64, ds: f64, dk: f64, rule| {
+            let other = Homography { a: h.a + da, s: h.s + ds, k: h.k + dk };
+            first_failure(&agreement(&h, &other, &h, rule), &mut Silent).is_ok()
+        };
+        let (fine, paper) = (CrossingRule::Interpolated, CrossingRule::WholePixel);
+        assert!(agree(0.99, -0.99, 0.08, fine) && !agree(1.01, 0.0, 0.0, fine) && !agree(0.0, 1.01, 0.0, fine));
+        // 1/20 + 1/30 and 1/20 + 2/30.
+        assert!(!agree(0.0, 0.0, 0.084, fine) && agree(0.0, 0.0, 0.084, paper) && !agree(0.0, 0.0, 0.117, paper));
+        assert!(agree(1.99, 1.99, 0.0, paper) && !agree(2.01, 0.0, 0.0, paper));
+    }
+
+    /// The margin counts the changes of one stripe: of a frontal landmark with stripes of 3.2 px a stripe's ink is about
+    /// 3.2 px, less what the blur smears, times the squared contrast.
+    #[test]
+    fn the_margin_is_what_the_nearest_change_costs() {
+        let detection = found(&lines((0.3, 0.0, PI)));
+        let accepted = detection.fit.unwrap();
+        let gain = mean_gain(&accepted.fitted.lights);
+        assert!((2.0..3.2).contains(&(accepted.margin / (gain * gain))), "{}", accepted.margin / (gain * gain));
+    }
+}

@@ -1,0 +1,659 @@
+//! Least squares of the grey levels themselves: homography, blur, light (FIT).
+
+use crate::camera::Camera;
+use crate::edge;
+use crate::homography::{Homography, coordinate};
+use crate::landmark::Format;
+use crate::refusal::FitRefusal;
+use core::ops::RangeInclusive;
+use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector3, Vector4};
+
+/// Blur at the start, pixels (FIT-7).
+pub const START_BLUR: f64 = 0.5;
+
+/// Blurs that a fit may find, pixels (FIT-10).
+pub const BLURS: RangeInclusive<f64> = 0.2..=1.2;
+
+/// The last step that may find a fit converged (FIT-13).
+pub const MAX_STEPS: usize = 9;
+
+/// Squared length, in standard deviations, of a step that ends a fit (FIT-11).
+const CONVERGED: f64 = 1.0 / 900.0;
+
+/// What is added to the diagonal of a layer's own block, pixels (FIT-8).
+const DAMPING: f64 = 1.0 / 256.0;
+
+/// A layer as it was decoded.
+#[derive(Clone, Copy, Debug)]
+pub struct FitLayer<'a> {
+    /// The scan line's grey values.
+    pub line: &'a [u8],
+    /// First pixel of the ROI.
+    pub first_pixel: usize,
+    /// Last pixel of the ROI.
+    pub last_pixel: usize,
+    /// The stripes from left to right, true for a bar.
+    pub stripes: &'a [bool],
+}
+
+/// How the light changes along a layer (FIT-3, FIT-4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Illumination {
+    /// Linearly.
+    Even,
+    /// At the edge of a shadow.
+    Step,
+}
+
+/// The homography and the blur that a fit begins with or has come to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Imaging {
+    /// Columns relative to the principal one.
+    pub homography: Homography,
+    /// Standard deviation of the blur, pixels.
+    pub blur: f64,
+}
+
+/// How grey a layer is: pixel `i` with the ink `c` has the value `o + g c + λ_i (o' + g' c)` (FIT-2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerLight {
+    /// `o`, grey levels.
+    pub offset: f64,
+    /// `g`, grey levels.
+    pub gain: f64,
+    /// `o'`, grey levels.
+    pub offset_slope: f64,
+    /// `g'`, grey levels.
+    pub gain_slope: f64,
+    /// The pixel at which the light steps, if it does (FIT-4).
+    pub step: Option<usize>,
+}
+
+impl LayerLight {
+    fn own(&self) -> Vector4<f64> {
+        Vector4::new(self.offset, self.gain, self.offset_slope, self.gain_slope)
+    }
+
+    /// `o + λ o'`, the grey level of white at a pixel of the window.
+    #[must_use]
+    pub fn white_at(&self, window: &Window, pixel: usize) -> f64 {
+        self.offset + window.lambda(pixel, self) * self.offset_slope
+    }
+
+    /// `g + λ g'`, what ink changes at a pixel of the window, grey levels.
+    #[must_use]
+    pub fn gain_at(&self, window: &Window, pixel: usize) -> f64 {
+        self.gain + window.lambda(pixel, self) * self.gain_slope
+    }
+
+    fn with(&self, own: &Vector4<f64>) -> Self {
+        Self { offset: own[0], gain: own[1], offset_slope: own[2], gain_slope: own[3], step: self.step }
+    }
+}
+
+/// Whether RENDER-5 may have limited a pixel's value (FIT-5).
+#[must_use]
+pub fn is_limited(value: u8) -> bool {
+    matches!(value, 0 | 255)
+}
+
+/// How far a pixel's value is from a model, grey levels; beyond the limits of RENDER-5 it may be anything (TRELLIS-11).
+#[must_use]
+pub fn difference(value: u8, model: f64) -> f64 {
+    match value {
+        u8::MAX => f64::from(value) - model.min(255.0),
+        0 => -model.max(0.0),
+        _ => f64::from(value) - model,
+    }
+}
+
+/// Which pixels of a layer are fitted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// First pixel (FIT-1).
+    pub first: usize,
+    /// Last pixel (FIT-1).
+    pub last: usize,
+    /// Pixels inside it that are left out (TRELLIS-2).
+    pub gap: core::ops::Range<usize>,
+}
+
+impl Window {
+    /// The window of an ROI (FIT-1).
+    #[must_use]
+    pub fn of(first_pixel: usize, last_pixel: usize, format: Format, width: usize) -> Self {
+        let extent = last_pixel - first_pixel + 1;
+        let pad = (2 * extent / format.stripes()).min(4);
+        Self { first: first_pixel.saturating_sub(pad), last: (last_pixel + pad).min(width - 1), gap: 0..0 }
+    }
+
+    /// λ of a pixel (FIT-3, FIT-4).
+    fn lambda(&self, pixel: usize, light: &LayerLight) -> f64 {
+        match light.step {
+            Some(step) if pixel < step => -1.0,
+            Some(_) => 1.0,
+            None => ((2 * pixel) as f64 - (self.first + self.last) as f64) / (self.last - self.first) as f64,
+        }
+    }
+}
+
+/// What a fit has found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// Homography and blur.
+    pub imaging: Imaging,
+    /// Covariance of `(a, s, k)`, px and 1 (FIT-14).
+    pub covariance: Matrix3<f64>,
+    /// Variance of the blur, px², of the same inverse.
+    pub blur_variance: f64,
+    /// `s²`, the variance of a pixel about its model, squared grey levels (FIT-11).
+    pub variance: f64,
+    /// `n - p`.
+    pub degrees_of_freedom: usize,
+    /// Steps taken.
+    pub steps: usize,
+    /// The light of every layer.
+    pub lights: Vec<LayerLight>,
+    /// By how much every other place of a step of light leaves a larger sum of squares, squared grey levels: the smaller
+    /// one of the layers (FIT-15); infinite under even light.
+    pub step_lead: f64,
+}
+
+/// How a fit goes about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plan {
+    /// Until it has converged, with all parameters of the light.
+    Converge,
+    /// A stated number of steps, without λ (TRELLIS-1, TRELLIS-3).
+    Guards {
+        /// Steps.
+        steps: usize,
+    },
+}
+
+impl Plan {
+    fn own_parameters(self) -> usize {
+        match self {
+            Self::Converge => 4,
+            Self::Guards { .. } => 2,
+        }
+    }
+}
+
+/// A pixel of the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ink {
+    /// `c_i`.
+    pub ink: f64,
+    /// Its derivatives by `a`, `s`, `k` and the blur.
+    pub gradient: Vector4<f64>,
+}
+
+/// The ink of the pixels `first..=last` of a layer (EDGE-2).
+#[must_use]
+pub fn inks(imaging: &Imaging, camera: &Camera, format: Format, stripes: &[bool], pixels: (usize, usize)) -> Vec<Ink> {
+    let mut inks = vec![Ink::default(); pixels.1 - pixels.0 + 1];
+    let h = &imaging.homography;
+    let mut left = false;
+    for (edge, &right) in (0..).zip(stripes.iter().chain(&[false])) {
+        if left != right {
+            let sign = if right { 1.0 } else { -1.0 };
+            let t = coordinate(format, edge - i32::try_from(stripes.len() / 2).unwrap_or(0));
+            let column = h.column(t);
+            let depth = 1.0 / (1.0 + h.k * t);
+            let by_h = Vector3::new(depth, t * depth, -t * column * depth);
+            edge::responses(camera.principal_column + column, imaging.blur, pixels, |pixel, response| {
+                let ink = &mut inks[pixel - pixels.0];
+                ink.ink += sign * response.ink;
+                ink.gradient += (by_h * (-sign * response.by_distance)).push(sign * response.by_blur);
+            });
+        }
+        left = right;
+    }
+    inks
+}
+
+/// A fit under way.
+struct Problem<'a> {
+    camera: &'a Camera,
+    format: Format,
+    layers: &'a [FitLayer<'a>],
+    windows: &'a [Window],
+    plan: Plan,
+}
+
+/// The normal equations at one point, a layer's own parameters eliminated (FIT-8).
+struct Reduced {
+    matrix: Matrix4<f64>,
+    right: Vector4<f64>,
+    /// For each layer `A_oo⁻¹ A_os` and `A_oo⁻¹ b_o`: its own step is the second less the first times the common step.
+    back: Vec<(Matrix4<f64>, Vector4<f64>)>,
+    squares: f64,
+    pixels: usize,
+}
+
+/// A step of the parameters that the layers have in common.
+struct Step {
+    common: Vector4<f64>,
+    length: f64,
+}
+
+impl Problem<'_> {
+    /// The normal equations of all layers; `None` if a layer's own block is not positive definite.
+    fn reduced(&self, imaging: &Imaging, lights: &[LayerLight]) -> Option<Reduced> {
+        let mut sum =
+            Reduced { matrix: Matrix4::zeros(), right: Vector4::zeros(), back: Vec::new(), squares: 0.0, pixels: 0 };
+        for ((layer, window), light) in self.layers.iter().zip(self.windows).zip(lights) {
+            self.add(layer, window, light, imaging, &mut sum)?;
+        }
+        Some(sum)
+    }
+
+    fn add(
+        &self,
+        layer: &FitLayer<'_>,
+        window: &Window,
+        light: &LayerLight,
+        imaging: &Imaging,
+        sum: &mut Reduced,
+    ) -> Option<()> {
+        let mut normal = SMatrix::<f64, 8, 8>::zeros();
+        let mut right = SVector::<f64, 8>::zeros();
+        let inks = inks(imaging, self.camera, self.format, layer.stripes, (window.first, window.last));
+        for (pixel, ink) in (window.first..).zip(&inks) {
+            let value = layer.line[pixel];
+            if is_limited(value) || window.gap.contains(&pixel) || light.step == Some(pixel) {
+                continue;
+            }
+            let lambda = if self.plan.own_parameters() == 4 { window.lambda(pixel, light) } else { 0.0 };
+            let own = Vector4::new(1.0, ink.ink, lambda, lambda * ink.ink);
+            let residual = f64::from(value) - own.dot(&light.own());
+            let common = ink.gradient * (light.gain + lambda * light.gain_slope);
+            let mut row = SVector::<f64, 8>::zeros();
+            row.fixed_rows_mut::<4>(0).copy_from(&common);
+            row.fixed_rows_mut::<4>(4).copy_from(&own);
+            normal += row * row.transpose();
+            right += row * residual;
+            sum.squares += residual * residual;
+            sum.pixels += 1;
+        }
+        // FIT-8; without λ its two rows are empty, and the damping keeps them at rest.
+        let own = normal.fixed_view::<4, 4>(4, 4) + Matrix4::identity() * DAMPING;
+        let own = own.cholesky()?;
+        let coupling: Matrix4<f64> = normal.fixed_view::<4, 4>(4, 0).into_owned();
+        let own_right: Vector4<f64> = right.fixed_rows::<4>(4).into_owned();
+        let (by_common, alone) = (own.solve(&coupling), own.solve(&own_right));
+        sum.matrix += normal.fixed_view::<4, 4>(0, 0) - coupling.transpose() * by_common;
+        sum.right += right.fixed_rows::<4>(0) - coupling.transpose() * alone;
+        sum.back.push((by_common, alone));
+        Some(())
+    }
+
+    /// `n - p` if there are enough pixels (FIT-11, FIT-12).
+    fn degrees_of_freedom(&self, pixels: usize) -> Result<usize, FitRefusal> {
+        let parameters = 4 + self.plan.own_parameters() * self.layers.len();
+        if pixels < parameters + 8 { Err(FitRefusal::TooFewPixels) } else { Ok(pixels - parameters) }
+    }
+}
+
+/// The Gauss-Newton step, shortened (FIT-8 to FIT-11); `None` if the equations are not positive definite.
+fn step(reduced: &Reduced, blur: f64) -> Option<Step> {
+    let mut common = reduced.matrix.cholesky()?.solve(&reduced.right);
+    let within = (blur + common[3]).clamp(*BLURS.start(), *BLURS.end()) - blur;
+    if (within - common[3]).abs() > 0.0 {
+        let block: Matrix3<f64> = reduced.matrix.fixed_view::<3, 3>(0, 0).into_owned();
+        let right = reduced.right.fixed_rows::<3>(0) - reduced.matrix.fixed_view::<3, 1>(0, 3) * within;
+        common = block.cholesky()?.solve(&right).push(within);
+    }
+    let length = common.dot(&(reduced.matrix * common));
+    let limits = [1.0, 1.0, 0.1, 0.2];
+    let shortened =
+        common.iter().zip(limits).fold(1.0_f64, |share, (part, limit)| share.min(limit / part.abs().max(limit)));
+    Some(Step { common: common * shortened, length })
+}
+
+/// FIT-13
+fn is_possible(homography: &Homography, format: Format) -> bool {
+    let Homography { a, s, k } = *homography;
+    k.abs() <= 0.75 && s >= format.stripes() as f64 / 4.0 && s > a * k
+}
+
+/// The light at the start (FIT-7).
+fn first_light(layer: &FitLayer<'_>, window: &Window) -> LayerLight {
+    let values = &layer.line[window.first..=window.last];
+    let (darkest, brightest) =
+        values.iter().fold((f64::INFINITY, 0.0_f64), |(d, b), &v| (d.min(f64::from(v)), b.max(f64::from(v))));
+    LayerLight { offset: brightest, gain: darkest - brightest, offset_slope: 0.0, gain_slope: 0.0, step: None }
+}
+
+/// The fit of one or both layers of a landmark from `start` (FIT-1 to FIT-15).
+pub fn fit(
+    layers: &[FitLayer<'_>],
+    start: &Imaging,
+    illumination: Illumination,
+    camera: &Camera,
+    format: Format,
+) -> Result<Fitted, FitRefusal> {
+    let window = |layer: &FitLayer<'_>| Window::of(layer.first_pixel, layer.last_pixel, format, layer.line.len());
+    let windows: Vec<Window> = layers.iter().map(window).collect();
+    fit_windows(layers, &windows, start, illumination, Plan::Converge, camera, format)
+}
+
+/// The fit of the stated windows by a plan.
+pub fn fit_windows(
+    layers: &[FitLayer<'_>],
+    windows: &[Window],
+    start: &Imaging,
+    illumination: Illumination,
+    plan: Plan,
+    camera: &Camera,
+    format: Format,
+) -> Result<Fitted, FitRefusal> {
+    let problem = Problem { camera, format, layers, windows, plan };
+    let mut step_lead = f64::INFINITY;
+    let light = |(layer, window): (&FitLayer<'_>, &Window)| {
+        let light = first_light(layer, window);
+        if illumination == Illumination::Even {
+            return light;
+        }
+        let (step, lead) = step_of_light(layer, window, &light, start, camera, format);
+        step_lead = step_lead.min(lead);
+        LayerLight { step: Some(step), ..light }
+    };
+    let mut lights: Vec<LayerLight> = layers.iter().zip(windows).map(light).collect();
+    let mut imaging = *start;
+    let most = match plan {
+        Plan::Converge => MAX_STEPS,
+        Plan::Guards { steps } => steps,
+    };
+    for steps in 1..=most {
+        let reduced = problem.reduced(&imaging, &lights).ok_or(FitRefusal::NotConverged)?;
+        let degrees_of_freedom = problem.degrees_of_freedom(reduced.pixels)?;
+        let variance = reduced.squares / degrees_of_freedom as f64;
+        if plan != Plan::Converge && !promises(steps, variance, &lights) {
+            return Err(FitRefusal::NotConverged);
+        }
+        let step = step(&reduced, imaging.blur).ok_or(FitRefusal::NotConverged)?;
+        imaging = moved(&imaging, &step.common);
+        for (light, (by_common, alone)) in lights.iter_mut().zip(&reduced.back) {
+            *light = light.with(&(light.own() + alone - by_common * step.common));
+        }
+        if !is_possible(&imaging.homography, format) {
+            return Err(FitRefusal::NotConverged);
+        }
+        let ends = match plan {
+            Plan::Converge => step.length <= variance * CONVERGED,
+            Plan::Guards { steps: most } => steps == most,
+        };
+        if ends {
+            let inverse = reduced.matrix.try_inverse().ok_or(FitRefusal::NotConverged)?;
+            let covariance = inverse.fixed_view::<3, 3>(0, 0) * variance;
+            let blur_variance = inverse[(3, 3)] * variance;
+            return Ok(Fitted {
+                imaging,
+                covariance,
+                blur_variance,
+                variance,
+                degrees_of_freedom,
+                steps,
+                lights,
+                step_lead,
+            });
+        }
+    }
+    Err(FitRefusal::NotConverged)
+}
+
+/// Whether the guards have so far been explained as well as true ones are (TRELLIS-10).
+fn promises(step: usize, variance: f64, lights: &[LayerLight]) -> bool {
+    let gain = mean_gain(lights);
+    let share = match step {
+        2 => 9.0,
+        3 => 16.0,
+        5 => 64.0,
+        _ => return gain <= -12.0,
+    };
+    gain <= -12.0 && variance <= gain * gain / share + 9.0
+}
+
+/// The mean gain of both layers, `ḡ`, grey levels.
+#[must_use]
+pub fn mean_gain(lights: &[LayerLight]) -> f64 {
+    lights.iter().map(|light| light.gain).sum::<f64>() / lights.len() as f64
+}
+
+fn moved(imaging: &Imaging, step: &Vector4<f64>) -> Imaging {
+    let Homography { a, s, k } = imaging.homography;
+    let homography = Homography { a: a + step[0], s: s + step[1], k: k + step[2] };
+    // The sum may exceed a limit by its own rounding.
+    Imaging { homography, blur: (imaging.blur + step[3]).clamp(*BLURS.start(), *BLURS.end()) }
+}
+
+/// Sums over pixels of a straight line's least squares, value against ink.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    n: f64,
+    c: f64,
+    cc: f64,
+    v: f64,
+    cv: f64,
+    vv: f64,
+}
+
+impl Sums {
+    fn add(&mut self, c: f64, v: f64, sign: f64) {
+        self.n += sign;
+        self.c += sign * c;
+        self.cc += sign * c * c;
+        self.v += sign * v;
+        self.cv += sign * c * v;
+        self.vv += sign * v * v;
+    }
+
+    /// The smallest sum of squares of `o + g c`, `g` drawn towards `gain` by a sixteenth of the squared difference.
+    fn least_squares(&self, gain: f64) -> f64 {
+        if self.n < 0.5 {
+            return 0.0;
+        }
+        let centred = |product: f64, one: f64, other: f64| product - one * other / self.n;
+        let cc = centred(self.cc, self.c, self.c) + 1.0 / 16.0;
+        let cv = centred(self.cv, self.c, self.v) + gain / 16.0;
+        let vv = centred(self.vv, self.v, self.v) + gain * gain / 16.0;
+        vv - cv * cv / cc
+    }
+}
+
+/// The pixel at which the light of a layer steps, and by how much every other one leaves a larger sum (FIT-15).
+#[must_use]
+pub fn step_of_light(
+    layer: &FitLayer<'_>,
+    window: &Window,
+    light: &LayerLight,
+    start: &Imaging,
+    camera: &Camera,
+    format: Format,
+) -> (usize, f64) {
+    let inks = inks(start, camera, format, layer.stripes, (window.first, window.last));
+    let used = |pixel: usize| !is_limited(layer.line[pixel]);
+    let mut right = Sums::default();
+    let mut left = Sums::default();
+    let pixels = || (window.first..).zip(&inks).map(|(pixel, ink)| (pixel, ink.ink, f64::from(layer.line[pixel])));
+    for (_, ink, value) in pixels().filter(|&(pixel, ..)| used(pixel)) {
+        right.add(ink, value, 1.0);
+    }
+    let (mut best, mut second) = ((f64::INFINITY, window.first), f64::INFINITY);
+    for (pixel, ink, value) in pixels() {
+        let counts = used(pixel);
+        if counts {
+            right.add(ink, value, -1.0);
+        }
+        let sum = left.least_squares(light.gain) + right.least_squares(light.gain);
+        if pixel > window.first && pixel < window.last {
+            second = second.min(sum.max(best.0));
+            if sum < best.0 {
+                best = (sum, pixel);
+            }
+        }
+        if counts {
+            left.add(ink, value, 1.0);
+        }
+    }
+    (best.1, second - best.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bound::homography_of;
+    use crate::codeword;
+    use crate::frame::{self, Pose};
+    use crate::landmark::Landmark;
+    use crate::render::{Light, Patch, Posted, Scene, Sensor, render};
+    use core::f64::consts::PI;
+    use proptest::prelude::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    const PAYLOAD: u32 = 0xcc0d;
+
+    /// What was rendered, and its truth.
+    struct Sight {
+        lines: [Vec<u8>; 2],
+        stripes: [Vec<bool>; 2],
+        truth: Homography,
+        ends: (usize, usize),
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns of the image")]
+    fn sight(pose: (f64, f64, f64), light: Light, sensor: Sensor) -> Sight {
+        let camera = Camera::epuck();
+        let landmark = Landmark { stripe_height: 0.1, ..Landmark::new(Format::Paper) };
+        let (x, y, theta) = pose;
+        let camera_in_landmark: Pose<frame::Landmark, frame::Camera> = Pose::new(x, y, theta);
+        let posted = Posted { landmark_in_world: Pose::new(0.0, 0.0, 0.0), landmark, payload: PAYLOAD };
+        let camera_in_world = Pose::new(x, y, theta);
+        let scene = Scene { camera_in_world, landmarks: vec![posted], clutter: vec![], light, sensor };
+        let lines = render(&camera, &scene, &mut ChaCha8Rng::seed_from_u64(7)).unwrap();
+        let truth = homography_of(&camera, &landmark, &camera_in_landmark).unwrap();
+        let end = |t: f64| (truth.column(t) + camera.principal_column + 0.5).floor() as usize;
+        Sight { lines, stripes: codeword::layers(Format::Paper, PAYLOAD).unwrap(), truth, ends: (end(-1.0), end(1.0)) }
+    }
+
+    const CLEAR: Sensor = Sensor { blur: 0.6, noise: 0.5 };
+
+    impl Sight {
+        fn layers(&self) -> [FitLayer<'_>; 2] {
+            [0, 1].map(|i| FitLayer {
+                line: &self.lines[i],
+                first_pixel: self.ends.0,
+                last_pixel: self.ends.1,
+                stripes: &self.stripes[i],
+            })
+        }
+
+        fn fit(&self, start: Homography, illumination: Illumination) -> Result<Fitted, FitRefusal> {
+            let start = Imaging { homography: start, blur: START_BLUR };
+            fit(&self.layers(), &start, illumination, &Camera::epuck(), Format::Paper)
+        }
+
+        /// Largest error of an edge by a fit, pixels.
+        fn error(&self, fitted: &Fitted) -> f64 {
+            let found = &fitted.imaging.homography;
+            (-10..=10)
+                .map(|v| f64::from(v) / 10.0)
+                .fold(0.0, |most, t| f64::max(most, (found.column(t) - self.truth.column(t)).abs()))
+        }
+    }
+
+    proptest! {
+        /// The stated basin: every edge of the guards within 0.4 stripes.
+        #[test]
+        fn the_minimum_is_found_from_within_two_fifths_of_a_stripe(
+            distance in 0.12..0.5f64, polar in -1.0..1.0f64, left in -0.28..0.28f64, right in -0.28..0.28f64, bend in -0.1..0.1f64,
+        ) {
+            let sight = sight((distance * polar.cos(), distance * polar.sin(), PI + polar), Light::default(), CLEAR);
+            let Homography { a, s, k } = sight.truth;
+            // Moving the ends by parts of a stripe and the middle by a part of it moves a, s and k like this, about.
+            let stripe = s / 10.0;
+            let (shift, widen, bend) = (f64::midpoint(left, right) * stripe, (right - left) / 2.0 * stripe, bend * stripe);
+            let start = Homography { a: a + shift + bend, s: s + widen, k: k + bend / s };
+            let moved = |t: f64| (start.column(t) - sight.truth.column(t)).abs() / stripe;
+            prop_assume!([-1.0, -0.7, 0.7, 1.0].into_iter().all(|t| moved(t) < 0.4));
+            let fitted = sight.fit(start, Illumination::Even).unwrap();
+            prop_assert!(sight.error(&fitted) < 0.02, "{}", sight.error(&fitted));
+            prop_assert!((fitted.imaging.blur - 0.6).abs() < 0.02);
+        }
+    }
+
+    #[test]
+    fn one_layer_is_enough() {
+        let sight = sight((0.25, 0.05, PI + 0.3), Light::default(), CLEAR);
+        let start = Imaging { homography: sight.truth, blur: START_BLUR };
+        let both = sight.fit(sight.truth, Illumination::Even).unwrap();
+        for layer in sight.layers() {
+            let alone = fit(&[layer], &start, Illumination::Even, &Camera::epuck(), Format::Paper).unwrap();
+            assert!(sight.error(&alone) < 0.03 && alone.lights.len() == 1);
+            // Half of the pixels know about half as much.
+            let ratio = alone.covariance[(0, 0)] / both.covariance[(0, 0)];
+            assert!((1.3..3.5).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn a_gradient_of_the_light_does_not_move_the_estimate() {
+        let light = Light { gradient: 0.8, exposure: 0.8, ..Light::default() };
+        let sight = sight((0.2, 0.0, PI + 0.1), light, CLEAR);
+        let fitted = sight.fit(sight.truth, Illumination::Even).unwrap();
+        assert!(sight.error(&fitted) < 0.02);
+        // 0.8 over 480 px of a light of about 1: the share over half a window of about 104 px.
+        let light = fitted.lights[0];
+        assert!((light.offset_slope / light.offset - 0.8 * 52.0 / 480.0).abs() < 0.01, "{light:?}");
+        assert!((light.gain_slope / light.gain - 0.8 * 52.0 / 480.0).abs() < 0.01, "{light:?}");
+    }
+
+    #[test]
+    fn a_step_of_the_light_is_found_and_explained() {
+        let patch = Some(Patch { left: f64::NEG_INFINITY, right: 228.3, factor: 1.0 / 3.0 });
+        let sight = sight((0.3, 0.0, PI), Light { patch, ..Light::default() }, CLEAR);
+        let even = sight.fit(sight.truth, Illumination::Even);
+        assert!(even.is_err() || even.unwrap().variance > 100.0);
+        let fitted = sight.fit(sight.truth, Illumination::Step).unwrap();
+        assert!(sight.error(&fitted) < 0.05 && fitted.variance < 4.0, "{fitted:?}");
+        // The patch ends within pixel 228.
+        assert!(fitted.lights.iter().all(|light| light.step == Some(228)));
+    }
+
+    #[test]
+    fn the_noise_is_estimated() {
+        let sight = sight((0.15, 0.0, PI), Light::default(), Sensor { blur: 0.5, noise: 3.0 });
+        let fitted = sight.fit(sight.truth, Illumination::Even).unwrap();
+        // 9 and a twelfth; 260 degrees of freedom leave 9 %, of which 3.5 are allowed.
+        assert!((fitted.variance / 9.083 - 1.0).abs() < 0.3, "{}", fitted.variance);
+        assert_eq!(fitted.degrees_of_freedom + 12, 2 * (sight.ends.1 - sight.ends.0 + 1 + 8));
+    }
+
+    #[test]
+    fn what_cannot_be_fitted_is_refused() {
+        let mut sight = sight((0.3, 0.0, PI), Light::default(), CLEAR);
+        let truth = sight.truth;
+        let off = Homography { a: truth.a + 40.0, ..truth };
+        assert_eq!(sight.fit(off, Illumination::Even), Err(FitRefusal::NotConverged));
+        for line in &mut sight.lines {
+            for value in line.iter_mut() {
+                *value = if *value < 120 { 0 } else { 255 };
+            }
+        }
+        assert_eq!(sight.fit(truth, Illumination::Even), Err(FitRefusal::TooFewPixels));
+    }
+
+    #[test]
+    fn windows_reach_two_stripes_and_at_most_four_pixels_beyond() {
+        let window = |first, last| {
+            let Window { first, last, .. } = Window::of(first, last, Format::Paper, 480);
+            (first, last)
+        };
+        assert_eq!(window(100, 124), (98, 126));
+        assert_eq!(window(100, 199), (96, 203));
+        assert_eq!(window(2, 478), (0, 479));
+    }
+}
