@@ -57,6 +57,14 @@ fn detect_gives_one_json_line_per_image_and_pipeline() {
         assert!((pose["x_m"].as_f64().unwrap() - 0.096_565_518).abs() < 5e-3);
         assert!((pose["y_m"].as_f64().unwrap() - 0.120_902_002).abs() < 5e-3);
         assert!((pose["theta_rad"].as_f64().unwrap() + 2.408_778_574).abs() < 0.02);
+        assert_eq!((&found["estimator"], &found["decoder"]), (&"fit".into(), &"threshold".into()));
+        // Both are within four standard deviations of what is claimed, and less than a millimetre is claimed.
+        let deviation = |i: usize| found["covariance"][i][i].as_f64().unwrap().sqrt();
+        assert!((pose["x_m"].as_f64().unwrap() - 0.096_565_518).abs() < 4.0 * deviation(0) && deviation(0) < 1e-3);
+        assert!((pose["y_m"].as_f64().unwrap() - 0.120_902_002).abs() < 4.0 * deviation(1) && deviation(1) < 1e-3);
+        let image = &found["image"];
+        assert!(["a_px", "s_px", "k"].iter().all(|name| image[name].is_f64()));
+        assert!(image["covariance"][2][0].is_f64() && found["margin"].as_f64().unwrap() > 0.0);
     }
     assert!(lines[2..].iter().all(|line| line["detections"].as_array().unwrap().is_empty()));
 }
@@ -185,8 +193,32 @@ fn bad_usage_is_one_line() {
 }
 
 #[test]
+fn accuracy_lists_every_point_for_both_pipelines_and_estimators() {
+    let output = barloc(&["accuracy", "--views", "10", "--noise", "2,4", "--blur", "0.5,0.3", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let lines: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let lines = lines.as_array().unwrap();
+    // Three conditions; 25 points and five of them again with the default landmark at 50 cm; four estimates each.
+    assert_eq!(lines.len(), 3 * 30 * 4);
+    let first = &lines[0];
+    assert_eq!((&first["pipeline"], &first["estimator"]), (&"reference".into(), &"fit".into()));
+    for name in ["distance_m", "inclination_deg", "noise_grey", "blur_px", "sigma_major_m", "sigma_minor_m"] {
+        assert!(first[name].is_f64(), "{name}");
+    }
+    for name in ["sigma_theta_rad", "bound_major_m", "bound_minor_m", "bound_theta_rad", "nees", "nees_image"] {
+        assert!(first[name].is_f64(), "{name}");
+    }
+    assert!(first["views"] == 10 && first["bias"].as_array().unwrap().len() == 3);
+    let again = barloc(&["accuracy", "--views", "10", "--noise", "2,4", "--blur", "0.5,0.3", "--json"]);
+    assert_eq!(output.stdout, again.stdout);
+    assert_refused(&barloc(&["accuracy", "--noise", "loud"]), "barloc", "must be a number from 0.1 to 30");
+    assert_refused(&barloc(&["accuracy", "--blur", "2"]), "barloc", "must be a number from 0.2 to 1.2");
+    assert_refused(&barloc(&["accuracy", "--views", "10", "--svg", "no/such/folder.svg"]), "folder.svg", "");
+}
+
+#[test]
 fn help_shows_examples() {
-    for arguments in [&["--help"][..], &["certify", "--help"], &["detect", "--help"]] {
+    for arguments in [&["--help"][..], &["certify", "--help"], &["detect", "--help"], &["accuracy", "--help"]] {
         let output = barloc(arguments);
         assert_eq!(output.status.code(), Some(0));
         assert!(text(&output.stdout).contains("Examples:"));

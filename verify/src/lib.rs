@@ -3,6 +3,7 @@
 //! A frame runs through both pipelines, whose observers fill the same form ([`trace`]); [`lockstep`] compares the two
 //! forms by the table in [`bounds`], [`tally`] counts, [`campaign`] runs many frames, [`certificate`] says what was seen.
 
+pub mod accuracy;
 pub mod bounds;
 pub mod campaign;
 pub mod certificate;

@@ -1,5 +1,6 @@
 //! The command `barloc`.
 
+mod accuracy;
 mod certify;
 mod coverage;
 mod design;
@@ -88,6 +89,8 @@ enum Command {
     Place(place::Arguments),
     /// Set the paper's figures beside ours
     Paper(paper::Arguments),
+    /// Measure how accurate both pipelines are, beside the Cramer-Rao bound
+    Accuracy(accuracy::Arguments),
 }
 
 /// Runs the command with the given arguments, the program's name first.
@@ -121,6 +124,7 @@ impl Arguments {
             Some(Command::Coverage(arguments)) => coverage::run(arguments, out),
             Some(Command::Place(arguments)) => place::run(arguments, out),
             Some(Command::Paper(arguments)) => paper::run(arguments, out),
+            Some(Command::Accuracy(arguments)) => accuracy::run(arguments, out),
         }
     }
 }

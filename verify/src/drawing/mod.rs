@@ -1,5 +1,6 @@
 //! Drawings for people and paper, as SVG: text that is the same for the same input.
 
+pub mod accuracy;
 pub mod area;
 
 use core::fmt;
