@@ -8,10 +8,12 @@
 use crate::port::{Cameras, stripe_width_error};
 use crate::trace::{DetectionFit, DetectionTrace, FitTrace, HomographyTrace, LightTrace, PoseTrace};
 use core::f64::consts::PI;
-use reference::accept::Test;
+use reference::accept::{ALLOWED_NOISE, Limits, Test};
+use reference::fit::BLURS;
 use reference::frame::wrap;
 use reference::homography::Homography;
 use reference::landmark::{Format, Landmark};
+use reference::merge::Decoder;
 use reference::refusal::CandidateRefusal;
 pub use reference::sampling::DECLARED_ERROR;
 use serde::Serialize;
@@ -169,8 +171,12 @@ const DEVIATIONS: f64 = 5.0;
 pub const ANOTHER_STEP: f64 = 0.02;
 
 /// What the stop of FIT-11 may leave between two pipelines, in standard deviations: the last step of one is at most 1/30, and
-/// a further one of the other at most a twelfth of that.
-const STOP: f64 = 1.0 / 400.0;
+/// a further one of the other at most a quarter of that.
+const STOP: f64 = 1.0 / 120.0;
+
+/// The same where the blur is at its limit (FIT-10): Gauss-Newton converges linearly there, and what follows the last step may
+/// be as long as it.
+const STOP_AT_LIMIT: f64 = 1.0 / 30.0;
 
 /// Bounds on a detection's fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,6 +203,8 @@ struct Rounding {
     noise: f64,
     /// Pixels.
     pixels: f64,
+    /// Whether the blur is at its limit.
+    limited: bool,
     /// Standard deviation of a residual's rounding, grey levels.
     residual: f64,
     /// That of a derivative's rounding to 10 bits, as a share of what decides on a parameter.
@@ -223,13 +231,21 @@ impl Rounding {
             12.0_f64.sqrt() * gain * rounded(ulp(16)),
         ];
         let residual = terms.iter().map(|term| term * term).sum::<f64>().sqrt();
-        Self { noise, pixels: fit.degrees_of_freedom + 12.0, residual, derivative: derivative(fit, h, gain, noise) }
+        let limited = fit.blur <= BLURS.start() + ulp(15) || fit.blur >= BLURS.end() - ulp(15);
+        Self {
+            noise,
+            pixels: fit.degrees_of_freedom + 12.0,
+            residual,
+            derivative: derivative(fit, h, gain, noise),
+            limited,
+        }
     }
 
     /// How far the minimum moves, in standard deviations: an error of `ε` in every pixel, independent of each other, moves it
     /// by `ε/s`, and one of `δ` in the derivatives by `δ` times the residuals, with 4 bits more than those of the matrix.
     fn share(&self) -> f64 {
-        DEVIATIONS * (self.residual / self.noise + self.derivative * self.pixels.sqrt() * ulp(4)) + STOP
+        DEVIATIONS * (self.residual / self.noise + self.derivative * self.pixels.sqrt() * ulp(4))
+            + if self.limited { STOP_AT_LIMIT } else { STOP }
     }
 
     /// On `s²`, relative: `Σ 2 r ε` of `Σ r²`, and the errors' own squares, among them those of light with 8 fraction bits.
@@ -311,6 +327,16 @@ pub fn step_lead(fit: &FitTrace) -> f64 {
 #[must_use]
 pub fn is_tied(fit: &FitTrace) -> bool {
     fit.step_lead <= step_lead(fit)
+}
+
+/// Whether a fit under even light is so near to ACCEPT-6's limit that the other pipeline may try a step of light (ACCEPT-1).
+#[must_use]
+pub fn is_barely_explained(fit: &FitTrace, bounds: &FitBounds) -> bool {
+    let gain = fit.lights.iter().map(|light| light.levels[1]).sum::<f64>() / fit.lights.len() as f64;
+    let Limits { share, .. } = Limits::of(Decoder::Threshold);
+    let limit = (share * gain).powi(2) + ALLOWED_NOISE * ALLOWED_NOISE;
+    let even = fit.lights.iter().all(|light| light.step.is_none());
+    even && (fit.variance / limit - 1.0).abs() <= bounds.variance + ANOTHER_STEP
 }
 
 /// How far a guard fit's start is moved to see whether it decides, pixels (SAME-5). The port's derivatives have 10 bits, and

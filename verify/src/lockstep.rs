@@ -273,8 +273,9 @@ impl Comparison<'_> {
         }
         if let (Some(fit), Some(other), Some(bounds)) = (&r.fit, &p.fit, self.setting.fit_bounds(r)) {
             if steps(fit) != steps(other) {
-                // FIT-15 ties: fits of different pixels.
-                let tie = reference.fits_at(r.format, r.pixels).any(bounds::is_tied);
+                // FIT-15 ties, or even light that only just explains the pixels (ACCEPT-1): fits of different pixels.
+                let undecided = |fit| bounds::is_tied(fit) || bounds::is_barely_explained(fit, &bounds);
+                let tie = reference.fits_at(r.format, r.pixels).any(undecided);
                 self.differs |= tie;
                 return self.exact(Stage::FitPixels, tie);
             }
