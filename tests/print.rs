@@ -96,9 +96,9 @@ fn what_is_printed_is_read_by_both_pipelines_where_the_camera_stands() {
             }
         }
     }
-    // Three degrees of freedom: 3 on the average, with a standard error of 0.2 for 144 views. The noise of the transitions
-    // is known to a factor of about 1.5 only, since the rule's own error is no noise; errors of print as large as the
-    // noise would double the average.
+    // The budget is that of interpolated transitions, three degrees of freedom: 3 on the average, with a standard error of
+    // 0.2 for 144 views; the fit to the grey levels is better than that. Errors of print as large as the noise of the
+    // transitions would add 3.
     let mean = distances.iter().sum::<f64>() / distances.len() as f64;
     println!(
         "{} views, mean chi-square {mean:.2}, largest {:.1}",
@@ -106,7 +106,7 @@ fn what_is_printed_is_read_by_both_pipelines_where_the_camera_stands() {
         distances.iter().copied().fold(0.0, f64::max)
     );
     assert_eq!(distances.len(), 144);
-    assert!((1.0..4.5).contains(&mean), "mean chi-square {mean}");
+    assert!(mean < 3.0, "mean chi-square {mean}");
 }
 
 /// The one detection of each pipeline, which are the same within the pipelines' bounds.

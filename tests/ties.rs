@@ -5,10 +5,11 @@ use reference::camera::Camera;
 use reference::crossing::CrossingRule;
 use reference::landmark::Format;
 use reference::observer::Layer;
+use reference::threshold::Thresholding;
 use verify::bounds::DECLARED_ERROR;
 use verify::lockstep::Setting;
 use verify::port::{Cameras, Landmarks};
-use verify::trace::{SampleTrace, Trace};
+use verify::trace::{HypothesisTrace, SampleTrace, Trace};
 
 /// Pixels of one stripe: an even number, so that a middle falls between two pixels.
 const STRIPE: usize = 4;
@@ -30,9 +31,10 @@ fn setting(format: Format, rule: CrossingRule) -> Setting {
     Setting { cameras, landmarks: Landmarks::new(&[format]).unwrap(), rule }
 }
 
-/// The sample of a stripe in the upper line's only ROI.
+/// The sample of a stripe in the upper line's only ROI of the global threshold.
 fn sample(trace: &Trace, stripe: usize) -> SampleTrace {
-    let rois: Vec<_> = trace.hypotheses.iter().filter(|roi| roi.layer == Layer::Upper).collect();
+    let upper = |roi: &&HypothesisTrace| roi.layer == Layer::Upper && roi.thresholding == Thresholding::Global;
+    let rois: Vec<_> = trace.hypotheses.iter().filter(upper).collect();
     assert_eq!(rois.len(), 1);
     *rois[0].samples.iter().find(|sample| sample.stripe == stripe).expect("the stripe was sampled")
 }
