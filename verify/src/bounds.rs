@@ -136,7 +136,7 @@ pub const TABLE: [Row; 25] = [
         "grey level",
         "rounding of a step, and the model's at either end",
     ),
-    row(Stage::FitVariance, "fit.variance", Class::Bounded, "share", "rounding of residuals, five standard deviations"),
+    row(Stage::FitVariance, "fit.variance", Class::Bounded, "share", "rounding of residuals, six standard deviations"),
     row(Stage::FitCovariance, "fit.covariance", Class::Bounded, "share", "rounding of derivatives; that of s²"),
     row(Stage::Margin, "margin", Class::Bounded, "share", "rounding of residuals and changes; the blur's bound"),
     row(Stage::PoseX, "pose.x", Class::Bounded, "m", POSE),
@@ -145,8 +145,8 @@ pub const TABLE: [Row; 25] = [
     row(Stage::PoseCovariance, "pose.covariance", Class::Bounded, "share", "those of (a, s, k) and of its covariance"),
 ];
 
-/// Origin of the bounds on a fit: five standard deviations, since roundings of tens of pixels add up like noise.
-const FIT: &str = "rounding of residuals and derivatives, five standard deviations; FIT-11's stop; formats";
+/// Origin of the bounds on a fit: six standard deviations, since roundings of tens of pixels add up like noise.
+const FIT: &str = "rounding of residuals and derivatives, six standard deviations; FIT-11's stop; formats";
 
 /// Origin of the bounds on a pose.
 const POSE: &str = "those of the fit and its covariance, or of the homography through (9); formats";
@@ -162,8 +162,9 @@ impl Stage {
     }
 }
 
-/// Rounding errors of many pixels add up like noise; five standard deviations are met once in 1.7 million.
-const DEVIATIONS: f64 = 5.0;
+/// Rounding errors of many pixels add up like noise; a campaign compares millions of quantities, and six standard deviations
+/// are met once in 500 million.
+const DEVIATIONS: f64 = 6.0;
 
 /// What `s²` may differ by, relative, where one pipeline stops a step before the other: it is that of the last step's
 /// equations (FIT-11), in which a layer's own four parameters have yet to follow, each by up to half a standard deviation:
@@ -302,8 +303,8 @@ pub fn fit(cameras: &Cameras, format: Format, fit: &DetectionFit, h: &Homography
         },
         share,
         blur,
-        // Four parameters of 8 fraction bits each.
-        light: DEVIATIONS * rounding.residual + 4.0 * ulp(8),
+        // As uncertain as a pixel at the most, and four parameters of 8 fraction bits each.
+        light: share * rounding.noise + 4.0 * ulp(8),
         variance,
         // The elimination has 30 bits, for matrices of a condition of up to 2^20.
         covariance: 2.0 * DEVIATIONS * rounding.derivative + variance + ulp(10),

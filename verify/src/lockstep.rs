@@ -306,7 +306,9 @@ impl Comparison<'_> {
             // Beside a step of light that is not determined, FIT-8 keeps at rest where it is.
             if one.step.is_none() {
                 let differences = one.levels.iter().zip(other.levels).map(|(one, other)| (one - other).abs());
-                self.bounded(Stage::FitLight, differences.fold(0.0, f64::max), bounds.light);
+                // Where one stopped a step before the other its light has yet to follow.
+                let steps = if r.steps == p.steps { 1.0 } else { 2.0 };
+                self.bounded(Stage::FitLight, differences.fold(0.0, f64::max), steps * bounds.light);
             }
         }
         let stop = if r.steps == p.steps { 0.0 } else { bounds::ANOTHER_STEP };
