@@ -176,8 +176,8 @@ pub const ANOTHER_STEP: f64 = 0.02;
 const STOP: f64 = 1.0 / 120.0;
 
 /// The same where the blur is at its limit (FIT-10): Gauss-Newton converges linearly there, and what follows the last step may
-/// be as long as it.
-const STOP_AT_LIMIT: f64 = 1.0 / 30.0;
+/// be three quarters as long as it.
+const STOP_AT_LIMIT: f64 = 1.0 / 40.0;
 
 /// Bounds on a detection's fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
