@@ -172,8 +172,8 @@ const DEVIATIONS: f64 = 6.0;
 pub const ANOTHER_STEP: f64 = 0.02;
 
 /// What the stop of FIT-11 may leave between two pipelines, in standard deviations: the last step of one is at most 1/30, and
-/// a further one of the other at most a quarter of that.
-const STOP: f64 = 1.0 / 120.0;
+/// a further one of the other at most a sixth of that.
+const STOP: f64 = 1.0 / 180.0;
 
 /// The same where the blur is at its limit (FIT-10): Gauss-Newton converges linearly there, and what follows the last step may
 /// be three quarters as long as it.
