@@ -146,7 +146,7 @@ fn check(rule: CrossingRule, cases: u32, seed: u8) -> Tally {
         let mut one = Tally::default();
         let frame = Frame { part: Part::Lines, index: tally.borrow().frames };
         compare(&setting, frame, &reference, &port, &mut one);
-        let failing = failing(&one);
+        let failing = one.failing();
         if !failing.is_empty() {
             return Err(TestCaseError::fail(format!("not the same: {failing:?}")));
         }
@@ -210,7 +210,7 @@ fn any_camera_and_stripe_width_give_the_same() {
         let mut one = Tally::default();
         compare(&setting, Frame { part: Part::Lines, index: seed }, &reference, &port, &mut one);
         let failing: Vec<String> =
-            failing(&one).iter().map(|&stage| format!("{stage:?}: {:?}", one.stage(stage).worst)).collect();
+            one.failing().iter().map(|&stage| format!("{stage:?}: {:?}", one.stage(stage).worst)).collect();
         if !failing.is_empty() {
             return Err(TestCaseError::fail(format!("not the same: {failing:?}")));
         }
@@ -225,38 +225,9 @@ fn any_camera_and_stripe_width_give_the_same() {
     for row in &TABLE {
         println!("{}: {} cases, worst {:?}", row.name, tally.stage(row.stage).cases, tally.stage(row.stage).worst);
     }
-    assert_same(&tally);
+    assert!(tally.passes());
     let poses = tally.stage(Stage::PoseX).cases;
     assert!(poses > 5_000, "only {poses} poses were compared");
-}
-
-/// The stages up to the half words, whose results are integers or follow from integers.
-///
-/// The lines of these tests are drawn without a sensor's noise. A fit of what has none is as uncertain as nothing (FIT-11
-/// measures its steps in the noise), and the port's does not always converge there: fits and what follows from them are
-/// compared on rendered frames, and counted and printed here.
-const UP_TO_THE_WORD: [Stage; 9] = [
-    Stage::Threshold,
-    Stage::Regions,
-    Stage::Hypotheses,
-    Stage::Crossings,
-    Stage::Sampling,
-    Stage::Centre,
-    Stage::HalfWidth,
-    Stage::Obliquity,
-    Stage::Decode,
-];
-
-fn failing(tally: &Tally) -> Vec<Stage> {
-    tally.failing().into_iter().filter(|stage| UP_TO_THE_WORD.contains(stage)).collect()
-}
-
-fn assert_same(tally: &Tally) {
-    for stage in tally.failing() {
-        println!("{stage:?}: {} of {} are not the same", tally.stage(stage).failures, tally.stage(stage).cases);
-    }
-    assert_eq!(failing(tally), []);
-    assert!(UP_TO_THE_WORD.iter().all(|&stage| tally.stage(stage).passes()));
 }
 
 #[test]
@@ -283,7 +254,9 @@ fn a_million_arbitrary_lines_give_the_same() {
         assert!(stage.cases > 0, "{} was never compared", row.name);
         assert!(row.class == Class::Marginal || stage.marginal == 0);
     }
-    assert_same(&tally);
-    let sampling = tally.stage(Stage::Sampling).marginal;
-    assert!(1000 * sampling <= 5 * tally.frames, "{sampling} of {} are marginal", tally.frames);
+    assert!(tally.passes());
+    // These lines tie on purpose: ideal stripes whose middles are edges, and shadows between equal pixels.
+    let (marginal, differing) = (tally.marginal_frames, tally.differing_frames);
+    assert!(50 * marginal <= tally.frames, "{marginal} of {} are marginal", tally.frames);
+    assert!(10_000 * differing <= tally.frames, "{differing} of {} are decided differently", tally.frames);
 }

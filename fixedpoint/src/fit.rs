@@ -4,7 +4,8 @@
 //! good a set of parameters as `a`, `s` and `k`: the model, its minimum and the steps that lead to it are the same, and
 //! `k` moves edges by `x t/(1 + k t)` of a small `x`.
 //!
-//! What decides where the minimum lies are the residuals, which are kept with 8 fraction bits of a grey level. The
+//! What decides where the minimum lies are the residuals, which are kept with 8 fraction bits of a grey level, of a light
+//! of 12. The
 //! model's derivatives have 10 significant bits, in block floating point: the same in a whole layer, so that
 //! products of two of them over a window of 640 px add up in 32 bits. Their rounding, at most half a unit where the largest are a
 //! few hundred, is independent of the residuals and moves the minimum by less than 0.5 % of its standard deviation.
@@ -161,7 +162,7 @@ fn run(
             return Err(FitRefusal::NotConverged);
         }
         let last = match plan {
-            Plan::Code(_) => step.is_last(squares, state.degrees_of_freedom),
+            Plan::Code(illumination) => step.is_last(squares, state.degrees_of_freedom, illumination),
             Plan::Guards => steps == limit,
         };
         state.advance(&step, &equations).ok_or(FitRefusal::NotConverged)?;
@@ -226,7 +227,8 @@ impl<'a> State<'a> {
         let pixels = models.iter().map(LayerModel::pixels).fold(0, u16::saturating_add);
         let own = if plan == Plan::Guards { 2 } else { 4 };
         let parameters = 4 + models.iter().map(|_| own).sum::<u16>();
-        let degrees_of_freedom = pixels.checked_sub(parameters).filter(|&surplus| surplus >= 8);
+        let contrast = models.iter().all(LayerModel::has_contrast);
+        let degrees_of_freedom = pixels.checked_sub(parameters).filter(|&surplus| surplus >= 8 && contrast);
         Ok(Self {
             format,
             layers: models,
@@ -256,7 +258,7 @@ impl<'a> State<'a> {
         self.homography = shortened.applied(&self.homography)?;
         self.blur = self.blur.saturating_add(shortened.spread()).clamp(Blur::SMALLEST, Blur::LARGEST);
         for (layer, equations) in self.layers.iter_mut().zip(equations) {
-            layer.follow(equations, &shortened);
+            layer.follow(equations, &shortened)?;
         }
         let reported = self.reported()?;
         let quarter = Column::from_num(self.format.stripes()) / 4;
@@ -266,7 +268,7 @@ impl<'a> State<'a> {
 
     /// Whether a guard fit is given up in the equations of this step (`TRELLIS-10`); `squares` has 16 fraction bits.
     fn is_hopeless(&self, step: u8, squares: i64) -> bool {
-        let gains: i64 = self.layers.iter().map(|layer| i64::from(layer.light.gain)).sum();
+        let gains: i64 = self.layers.iter().map(|layer| i64::from(layer.light().gain)).sum();
         no_guards(step, squares, self.degrees_of_freedom, gains)
     }
 
@@ -278,7 +280,8 @@ impl<'a> State<'a> {
     /// The result (`FIT-14`), `squares` being those before the last step, with 16 fraction bits.
     #[inline(never)] // its stack is not the others'
     fn fitted(&self, step: &Step, squares: i64, steps: u8) -> Option<Fitted> {
-        let variance = squares.checked_div(i64::from(self.degrees_of_freedom))?;
+        let degrees_of_freedom = i64::from(self.degrees_of_freedom);
+        let variance = squares.max(step::least_squares(degrees_of_freedom)).checked_div(degrees_of_freedom)?;
         let variance = u32::try_from(variance).ok()?;
         Some(Fitted {
             homography: self.reported()?,
@@ -287,7 +290,7 @@ impl<'a> State<'a> {
             variance,
             degrees_of_freedom: self.degrees_of_freedom,
             steps,
-            lights: self.layers.iter().map(|layer| layer.light).collect(),
+            lights: self.layers.iter().map(LayerModel::light).collect(),
         })
     }
 }

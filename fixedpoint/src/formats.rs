@@ -89,7 +89,7 @@ pub struct FormatRow {
 
 /// Every quantity and its number format, in the order in which a scan line meets them.
 #[rustfmt::skip] // one row to a line
-pub const FORMATS: [FormatRow; 46] = [
+pub const FORMATS: [FormatRow; 47] = [
     row("pixel", "grey level", "one value of a scan line", 8, 0, "0", "255", "1"),
     row("pixel index", "px", "first pixel of a region, ends of an ROI", 16, 0, "0", "639", "1"),
     row("Threshold::twice", "grey level", "twice a threshold, T2 or T2(i)", 16, 0, "0", "510", "1"),
@@ -115,6 +115,7 @@ pub const FORMATS: [FormatRow; 46] = [
     row("Boundary::distribution", "1", "normal distribution at a boundary", 32, 16, "0", "1", "2^-16"),
     row("Boundary::density", "1", "normal density at a boundary", 32, 16, "0", "0.4", "2^-16"),
     row("Blur", "px", "blur of a fit", 32, 20, "0.2", "1.2", "2^-20"),
+    row("LayerModel::levels", "grey level", "the same while they are fitted", 32, 12, "-511", "511", "2^-12"),
     row("LayerLight", "grey level", "offset and gain of a fit, and their slopes", 32, 8, "-511", "511", "2^-8"),
     row("λ", "1", "place in a window", 32, 12, "-1", "1", "2^-12"),
     row("fit residual", "grey level", "a pixel less its model", 32, 8, "-256 + 2^-8", "256 - 2^-8", "2^-8"),
@@ -123,7 +124,7 @@ pub const FORMATS: [FormatRow; 46] = [
     row("Sums right", "2^-E grey level", "products of derivatives and residuals", 64, 22, "-2^17.4", "2^17.4", "2^-22"),
     row("Equations", "2^(e_i + e_j)", "scaled normal equations", 32, 30, "-1", "1", "2^-30"),
     row("Solution of Equations", "2^(e_N - e_i)", "a step", 64, 24, "-256", "256", "2^-24"),
-    row("Fitted::variance", "squared grey level", "s² of a fit", 32, 16, "0", "2^16 - 2^-16", "2^-16"),
+    row("Fitted::variance", "squared grey level", "s² of a fit", 32, 16, "1/4", "2^16 - 2^-16", "2^-16"),
     row("Edges column", "px", "an edge, from the line's first pixel", 32, 16, "-2^14.6", "2^14.6", "2^-16"),
     row("Edges::ink", "1", "ink of an edge or a stripe in a pixel", 32, 16, "0", "1", "2^-16"),
     row("Seen", "grey level", "a pixel less white, and what ink does to it", 32, 8, "-1277", "1277", "2^-8"),

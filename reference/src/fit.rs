@@ -14,11 +14,23 @@ pub const START_BLUR: f64 = 0.5;
 /// Blurs that a fit may find, pixels (FIT-10).
 pub const BLURS: RangeInclusive<f64> = 0.2..=1.2;
 
+/// The least by which the values of a layer's pixels differ, grey levels (FIT-12).
+const MIN_SPREAD: u8 = 12;
+
+/// The largest offset and gain of a light, grey levels (FIT-13).
+const BRIGHTEST: f64 = 511.0;
+
 /// The last step that may find a fit converged (FIT-13).
 pub const MAX_STEPS: usize = 9;
 
 /// Squared length, in standard deviations, of a step that ends a fit (FIT-11).
-const CONVERGED: f64 = 1.0 / 900.0;
+const CONVERGED: f64 = 1.0 / 225.0;
+
+/// The same of the layers' own parameters beside a step of light, some of which FIT-8 hardly lets move.
+const OWN_CONVERGED: f64 = 1.0 / 16.0;
+
+/// The least variance of a pixel, squared grey levels: half a grey level is lost to rounding (FIT-11).
+pub const ROUNDING_VARIANCE: f64 = 1.0 / 4.0;
 
 /// What is added to the diagonal of a layer's own block, pixels (FIT-8).
 const DAMPING: f64 = 1.0 / 256.0;
@@ -86,6 +98,12 @@ impl LayerLight {
         self.gain + window.lambda(pixel, self) * self.gain_slope
     }
 
+    /// FIT-13
+    fn is_possible(&self) -> bool {
+        let most = |level: f64, slope: f64| level.abs() + slope.abs();
+        most(self.offset, self.offset_slope) <= BRIGHTEST && most(self.gain, self.gain_slope) <= BRIGHTEST
+    }
+
     fn with(&self, own: &Vector4<f64>) -> Self {
         Self { offset: own[0], gain: own[1], offset_slope: own[2], gain_slope: own[3], step: self.step }
     }
@@ -127,8 +145,14 @@ impl Window {
         Self { first: first_pixel.saturating_sub(pad), last: (last_pixel + pad).min(width - 1), gap: 0..0 }
     }
 
+    /// Whether a pixel is fitted (FIT-4, FIT-5, TRELLIS-2).
+    fn counts(&self, pixel: usize, value: u8, light: &LayerLight) -> bool {
+        !is_limited(value) && !self.gap.contains(&pixel) && light.step != Some(pixel)
+    }
+
     /// λ of a pixel (FIT-3, FIT-4).
-    fn lambda(&self, pixel: usize, light: &LayerLight) -> f64 {
+    #[must_use]
+    pub fn lambda(&self, pixel: usize, light: &LayerLight) -> f64 {
         match light.step {
             Some(step) if pixel < step => -1.0,
             Some(_) => 1.0,
@@ -152,11 +176,13 @@ pub struct Fitted {
     pub degrees_of_freedom: usize,
     /// Steps taken.
     pub steps: usize,
+    /// What the last one lowered the sum of squares by, as a share of what FIT-11 allows.
+    pub last_decrease: f64,
     /// The light of every layer.
     pub lights: Vec<LayerLight>,
-    /// By how much every other place of a step of light leaves a larger sum of squares, squared grey levels: the smaller
-    /// one of the layers (FIT-15); infinite under even light.
-    pub step_lead: f64,
+    /// How far the model of a pixel is from placing a step of light elsewhere, grey levels: the smaller one of the layers
+    /// (FIT-15); infinite under even light.
+    pub step_slack: f64,
 }
 
 /// How a fit goes about it.
@@ -229,20 +255,29 @@ struct Reduced {
     /// For each layer `A_oo⁻¹ A_os` and `A_oo⁻¹ b_o`: its own step is the second less the first times the common step.
     back: Vec<(Matrix4<f64>, Vector4<f64>)>,
     squares: f64,
+    /// By how much the layers' own parameters alone lower the sum of squares.
+    own_decrease: f64,
     pixels: usize,
 }
 
 /// A step of the parameters that the layers have in common.
 struct Step {
     common: Vector4<f64>,
-    length: f64,
+    /// By how much, before it is shortened, it lowers the sum of squares of the linearised model.
+    decrease: f64,
 }
 
 impl Problem<'_> {
     /// The normal equations of all layers; `None` if a layer's own block is not positive definite.
     fn reduced(&self, imaging: &Imaging, lights: &[LayerLight]) -> Option<Reduced> {
-        let mut sum =
-            Reduced { matrix: Matrix4::zeros(), right: Vector4::zeros(), back: Vec::new(), squares: 0.0, pixels: 0 };
+        let mut sum = Reduced {
+            matrix: Matrix4::zeros(),
+            right: Vector4::zeros(),
+            back: Vec::new(),
+            squares: 0.0,
+            own_decrease: 0.0,
+            pixels: 0,
+        };
         for ((layer, window), light) in self.layers.iter().zip(self.windows).zip(lights) {
             self.add(layer, window, light, imaging, &mut sum)?;
         }
@@ -262,7 +297,7 @@ impl Problem<'_> {
         let inks = inks(imaging, self.camera, self.format, layer.stripes, (window.first, window.last));
         for (pixel, ink) in (window.first..).zip(&inks) {
             let value = layer.line[pixel];
-            if is_limited(value) || window.gap.contains(&pixel) || light.step == Some(pixel) {
+            if !window.counts(pixel, value, light) {
                 continue;
             }
             let lambda = if self.plan.own_parameters() == 4 { window.lambda(pixel, light) } else { 0.0 };
@@ -285,8 +320,19 @@ impl Problem<'_> {
         let (by_common, alone) = (own.solve(&coupling), own.solve(&own_right));
         sum.matrix += normal.fixed_view::<4, 4>(0, 0) - coupling.transpose() * by_common;
         sum.right += right.fixed_rows::<4>(0) - coupling.transpose() * alone;
+        sum.own_decrease += own_right.dot(&alone);
         sum.back.push((by_common, alone));
         Some(())
+    }
+
+    /// Whether the pixels of every layer differ enough to be fitted (FIT-12).
+    fn has_contrast(&self, lights: &[LayerLight]) -> bool {
+        self.layers.iter().zip(self.windows).zip(lights).all(|((layer, window), light)| {
+            let values = (window.first..=window.last).map(|pixel| (pixel, layer.line[pixel]));
+            let values = values.filter(|&(pixel, value)| window.counts(pixel, value, light)).map(|(_, value)| value);
+            let (least, most) = values.fold((u8::MAX, 0), |(least, most), value| (least.min(value), most.max(value)));
+            most >= least.saturating_add(MIN_SPREAD)
+        })
     }
 
     /// `n - p` if there are enough pixels (FIT-11, FIT-12).
@@ -305,11 +351,11 @@ fn step(reduced: &Reduced, blur: f64) -> Option<Step> {
         let right = reduced.right.fixed_rows::<3>(0) - reduced.matrix.fixed_view::<3, 1>(0, 3) * within;
         common = block.cholesky()?.solve(&right).push(within);
     }
-    let length = common.dot(&(reduced.matrix * common));
+    let decrease = common.dot(&(2.0 * reduced.right - reduced.matrix * common));
     let limits = [1.0, 1.0, 0.1, 0.2];
     let shortened =
         common.iter().zip(limits).fold(1.0_f64, |share, (part, limit)| share.min(limit / part.abs().max(limit)));
-    Some(Step { common: common * shortened, length })
+    Some(Step { common: common * shortened, decrease })
 }
 
 /// FIT-13
@@ -350,26 +396,30 @@ pub fn fit_windows(
     format: Format,
 ) -> Result<Fitted, FitRefusal> {
     let problem = Problem { camera, format, layers, windows, plan };
-    let mut step_lead = f64::INFINITY;
+    let mut step_slack = f64::INFINITY;
     let light = |(layer, window): (&FitLayer<'_>, &Window)| {
         let light = first_light(layer, window);
         if illumination == Illumination::Even {
             return light;
         }
-        let (step, lead) = step_of_light(layer, window, &light, start, camera, format);
-        step_lead = step_lead.min(lead);
+        let (step, slack) = step_of_light(layer, window, &light, start, camera, format);
+        step_slack = step_slack.min(slack);
         LayerLight { step: Some(step), ..light }
     };
     let mut lights: Vec<LayerLight> = layers.iter().zip(windows).map(light).collect();
+    if !problem.has_contrast(&lights) {
+        return Err(FitRefusal::TooFewPixels);
+    }
     let mut imaging = *start;
     let most = match plan {
         Plan::Converge => MAX_STEPS,
         Plan::Guards { steps } => steps,
     };
+    let mut last_decrease = f64::INFINITY;
     for steps in 1..=most {
         let reduced = problem.reduced(&imaging, &lights).ok_or(FitRefusal::NotConverged)?;
         let degrees_of_freedom = problem.degrees_of_freedom(reduced.pixels)?;
-        let variance = reduced.squares / degrees_of_freedom as f64;
+        let variance = (reduced.squares / degrees_of_freedom as f64).max(ROUNDING_VARIANCE);
         if plan != Plan::Converge && !promises(steps, variance, &lights) {
             return Err(FitRefusal::NotConverged);
         }
@@ -378,11 +428,12 @@ pub fn fit_windows(
         for (light, (by_common, alone)) in lights.iter_mut().zip(&reduced.back) {
             *light = light.with(&(light.own() + alone - by_common * step.common));
         }
-        if !is_possible(&imaging.homography, format) {
+        if !is_possible(&imaging.homography, format) || !lights.iter().all(LayerLight::is_possible) {
             return Err(FitRefusal::NotConverged);
         }
+        last_decrease = share_of_limit(reduced.own_decrease, step.decrease, illumination) / variance;
         let ends = match plan {
-            Plan::Converge => step.length <= variance * CONVERGED,
+            Plan::Converge => last_decrease <= 1.0,
             Plan::Guards { steps: most } => steps == most,
         };
         if ends {
@@ -396,12 +447,22 @@ pub fn fit_windows(
                 variance,
                 degrees_of_freedom,
                 steps,
+                last_decrease,
                 lights,
-                step_lead,
+                step_slack,
             });
         }
     }
-    Err(FitRefusal::NotConverged)
+    Err(FitRefusal::Unfinished(last_decrease))
+}
+
+/// What a step lowers the sum of squares by, of the layers' own parameters and of the common ones, as a share of what FIT-11
+/// allows with `s² = 1`.
+fn share_of_limit(own: f64, common: f64, illumination: Illumination) -> f64 {
+    match illumination {
+        Illumination::Even => (own + common) / CONVERGED,
+        Illumination::Step => (common / CONVERGED).max(own / OWN_CONVERGED),
+    }
 }
 
 /// Whether the guards have so far been explained as well as true ones are (TRELLIS-10).
@@ -463,7 +524,10 @@ impl Sums {
     }
 }
 
-/// The pixel at which the light of a layer steps, and by how much every other one leaves a larger sum (FIT-15).
+/// The pixel at which the light of a layer steps (FIT-15), and its slack in grey levels.
+///
+/// Between two places that leave about the same sum of squares, two residuals trade places. An error `ε` of the model changes
+/// the difference of the sums by `2 sqrt(2) r ε`, `r` being the size of the residuals there: the slack is the `ε` that it takes.
 #[must_use]
 pub fn step_of_light(
     layer: &FitLayer<'_>,
@@ -498,7 +562,8 @@ pub fn step_of_light(
             left.add(ink, value, 1.0);
         }
     }
-    (best.1, second - best.0)
+    let residual = (best.0 / inks.len() as f64).sqrt();
+    (best.1, (second - best.0) / (8.0_f64.sqrt() * residual).max(f64::MIN_POSITIVE))
 }
 
 #[cfg(test)]

@@ -185,7 +185,7 @@ fn shadowed(layers: [&DecodedLayer; 2]) -> bool {
 }
 
 /// A pair of extents or of ROIs whose half words have settled, or why they have not (TRELLIS-8).
-fn conclude_settled<O: Observer>(
+pub fn conclude_settled<O: Observer>(
     pair: &Pair,
     settled: Result<Settled, CandidateRefusal>,
     view: &View<'_>,

@@ -50,12 +50,14 @@ pub enum PairRefusal {
 }
 
 /// Why a fit has no result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FitRefusal {
     /// FIT-12
     TooFewPixels,
     /// FIT-13
     NotConverged,
+    /// FIT-13: the last step that may still lowers the sum of squares by as many times of what FIT-11 allows.
+    Unfinished(f64),
 }
 
 /// Why a candidate is no detection.
@@ -124,7 +126,7 @@ impl fmt::Display for FitRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::TooFewPixels => "there are too few pixels between black and white",
-            Self::NotConverged => "it has not converged",
+            Self::NotConverged | Self::Unfinished(_) => "it has not converged",
         })
     }
 }

@@ -6,15 +6,16 @@
 //! that kind: it is how near to a boundary its decisions are not trusted, a worst case of float64 that is not met.
 
 use crate::port::{Cameras, stripe_width_error};
+use crate::sensitivity::Sensitivity;
 use crate::trace::{DetectionFit, DetectionTrace, FitTrace, HomographyTrace, LightTrace, PoseTrace};
 use core::f64::consts::PI;
 use reference::accept::{ALLOWED_NOISE, Limits, Test};
-use reference::fit::BLURS;
+use reference::fit::MAX_STEPS;
 use reference::frame::wrap;
 use reference::homography::Homography;
 use reference::landmark::{Format, Landmark};
 use reference::merge::Decoder;
-use reference::refusal::CandidateRefusal;
+use reference::refusal::{CandidateRefusal, FitRefusal};
 pub use reference::sampling::DECLARED_ERROR;
 use serde::Serialize;
 
@@ -166,18 +167,19 @@ impl Stage {
 /// are met once in 500 million.
 const DEVIATIONS: f64 = 6.0;
 
-/// What `s²` may differ by, relative, where one pipeline stops a step before the other: it is that of the last step's
-/// equations (FIT-11), in which a layer's own four parameters have yet to follow, each by up to half a standard deviation:
-/// 8/4 of `s²`, of at least 100 degrees of freedom down to 1.25 px per stripe less those of saturated pixels.
-pub const ANOTHER_STEP: f64 = 0.02;
+/// The last step of a fit, in standard deviations, at the most (FIT-11).
+const LAST_STEP: f64 = 1.0 / 15.0;
 
-/// What the stop of FIT-11 may leave between two pipelines, in standard deviations: the last step of one is at most 1/30, and
-/// a further one of the other at most a sixth of that.
-const STOP: f64 = 1.0 / 180.0;
+/// The standard deviation of an edge's derivatives as the port has them, by the gain: they are Taylor series of two terms
+/// around multiples of 1/16, which leave `δ² φ''/2` of `δ` up to 1/32, and end at 15/4 standard deviations of the blur. On
+/// average over that range these are 3.7e-5 for either boundary of a pixel, and 4.6e-5.
+const TABULATED: f64 = 7e-5;
 
-/// The same where the blur is at its limit (FIT-10): Gauss-Newton converges linearly there, and what follows the last step may
-/// be three quarters as long as it.
-const STOP_AT_LIMIT: f64 = 1.0 / 40.0;
+/// The same of a layer's own parameters beside a step of light.
+const OWN_LAST_STEP: f64 = 1.0 / 4.0;
+
+/// Beyond this share of Gauss-Newton's matrix the residuals' curvature leaves hardly a minimum, and fits do not converge.
+const LARGEST_RATE: f64 = 0.9;
 
 /// Bounds on a detection's fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,6 +196,8 @@ pub struct FitBounds {
     pub variance: f64,
     /// On the covariance, relative to the standard deviations.
     pub covariance: f64,
+    /// The same besides, where the pipelines took different numbers of steps.
+    pub further_step: f64,
     /// On the decision margin, relative.
     pub margin: f64,
 }
@@ -204,12 +208,20 @@ struct Rounding {
     noise: f64,
     /// Pixels.
     pixels: f64,
-    /// Whether the blur is at its limit.
-    limited: bool,
+    /// Those whose derivatives are not 0, at the most.
+    beside_edges: f64,
+    /// Whether the light steps.
+    steps: bool,
+    /// The largest gain, grey levels.
+    gain: f64,
+    /// The curvature of the residuals.
+    sensitivity: Sensitivity,
     /// Standard deviation of a residual's rounding, grey levels.
     residual: f64,
     /// That of a derivative's rounding to 10 bits, as a share of what decides on a parameter.
     derivative: f64,
+    /// The same where it meets the residuals.
+    fine_derivative: f64,
 }
 
 /// The standard deviation of what rounding to a multiple of `unit` does.
@@ -218,50 +230,74 @@ fn rounded(unit: f64) -> f64 {
 }
 
 impl Rounding {
-    fn of(fit: &DetectionFit, h: &HomographyTrace) -> Self {
+    fn of(format: Format, fit: &DetectionFit, h: &HomographyTrace) -> Self {
+        let pixels = fit.degrees_of_freedom + 12.0;
         let noise = fit.variance.sqrt();
         let most = |of: fn(&LightTrace) -> f64| fit.lights.iter().map(of).fold(0.0, f64::max);
         let gain = most(|light| light.levels[1].abs() + light.levels[3].abs());
         let slope = most(|light| light.levels[2].abs() + light.levels[3].abs());
-        // The model's product and both changes with λ have 8 fraction bits, λ has 12; the ink goes into it with 16, from
-        // boundaries with 14, by twelve roundings to 16.
+        // A residual has 8 fraction bits; the light, both changes with λ, λ itself and the product with the ink have 12; the
+        // ink goes into it with 16, from boundaries with 14, by twelve roundings to 16.
         let terms = [
-            3.0_f64.sqrt() * rounded(ulp(8)),
+            rounded(ulp(8)),
+            3.0_f64.sqrt() * rounded(ulp(12)),
             slope * rounded(ulp(12)),
             2.0_f64.sqrt() * gain * rounded(ulp(16)),
             12.0_f64.sqrt() * gain * rounded(ulp(16)),
         ];
         let residual = terms.iter().map(|term| term * term).sum::<f64>().sqrt();
-        let limited = fit.blur <= BLURS.start() + ulp(15) || fit.blur >= BLURS.end() - ulp(15);
+        let unit = 2.0_f64.powf(gain.log2().floor() + 1.0 - 10.0);
+        let [bits, edges] = weights(fit, h).map(|weight| weight / noise);
         Self {
             noise,
-            pixels: fit.degrees_of_freedom + 12.0,
+            pixels,
+            steps: fit.lights.iter().any(|light| light.step.is_some()),
+            // An edge reaches 15/4 standard deviations of the blur to either side.
+            beside_edges: pixels.min(2.0 * format.stripes() as f64 * (1.0 + 7.5 * fit.blur)),
+            gain,
             residual,
-            derivative: derivative(fit, h, gain, noise),
-            limited,
+            derivative: rounded(unit) * bits,
+            fine_derivative: (rounded(unit * ulp(4)) * bits).hypot(TABULATED * gain * edges),
+            sensitivity: fit.sensitivity,
         }
     }
 
     /// How far the minimum moves, in standard deviations: an error of `ε` in every pixel, independent of each other, moves it
-    /// by `ε/s`, and one of `δ` in the derivatives by `δ` times the residuals, with 4 bits more than those of the matrix.
+    /// by `ε/s`, and one of `δ` in the derivatives by `δ` times the residuals, finer than those of the matrix; where
+    /// the residuals bend the sum of squares, by as much more as it is softer than Gauss-Newton's.
+    ///
+    /// The last step, at most [`LAST_STEP`], leaves what Gauss-Newton's linear rate says, and of its own square what derivatives
+    /// change in a standard deviation: at most themselves, as edges are known to less than the blur's width.
     fn share(&self) -> f64 {
-        DEVIATIONS * (self.residual / self.noise + self.derivative * self.pixels.sqrt() * ulp(4))
-            + if self.limited { STOP_AT_LIMIT } else { STOP }
+        let moved = DEVIATIONS * (self.residual / self.noise + self.fine_derivative * self.beside_edges.sqrt());
+        let Sensitivity { softening, rate, .. } = self.sensitivity;
+        let [softening, rate] = [softening, rate].map(|share| share.min(LARGEST_RATE));
+        moved / (1.0 - softening) + LAST_STEP * (rate / (1.0 - rate) + LAST_STEP)
     }
 
-    /// On `s²`, relative: `Σ 2 r ε` of `Σ r²`, and the errors' own squares, among them those of light with 8 fraction bits.
+    /// On `s²`, relative: `Σ 2 r ε` of `Σ r²`, the errors' own squares, and what the last step lowers the sum by, since it is
+    /// that of the equations before it (FIT-11) and one pipeline may stop a step before the other: under a step of light by
+    /// `s²/16`.
     fn variance(&self) -> f64 {
-        let light = 2.0 * rounded(ulp(8));
-        let own = (self.residual * self.residual + light * light) / (self.noise * self.noise);
-        2.0 * DEVIATIONS * self.residual / (self.noise * self.pixels.sqrt()) + own + ulp(16) / self.noise.powi(2)
+        let own = (self.residual * self.residual + ulp(16)) / (self.noise * self.noise);
+        let last = if self.steps { OWN_LAST_STEP * OWN_LAST_STEP } else { 0.0 } + LAST_STEP * LAST_STEP;
+        2.0 * DEVIATIONS * self.residual / (self.noise * self.pixels.sqrt()) + own + last / self.pixels
+    }
+
+    /// On the covariance, relative, of a fit that is `share` of the standard deviations elsewhere. Squared derivatives go with
+    /// the square of the gain, with up to the cube of the blur, and where an edge moves across the border of two pixels
+    /// between 1 and 1/2 in half a pixel.
+    fn displaced(&self, fit: &DetectionFit, share: f64) -> f64 {
+        let light = self.noise * self.sensitivity.light;
+        share * (3.0 * fit.blur_deviation / fit.blur + 2.0 * light / self.gain + 2.0 * fit.covariance[(0, 0)].sqrt())
     }
 }
 
-/// The rounding of derivatives in units of 10 bits of the largest gain, carried to the covariance of `(a, s, k)` and the
-/// blur. With the column `j` of a parameter, of which `s/σ` is left when it is freed of the others, a change `δ` of it changes
-/// the inverse by `2 δ σ/s` of itself. Columns count from the window's middle, which is about the barcode's image.
-fn derivative(fit: &DetectionFit, h: &HomographyTrace, gain: f64, noise: f64) -> f64 {
-    let unit = 2.0_f64.powf(gain.log2().floor() + 1.0 - 10.0);
+/// What errors of the derivatives are carried to the covariance of `(a, s, k)` and the blur with, per grey level of noise:
+/// one of all pixels alike, as far as bits go, and one that goes with how far an edge moves. With the column `j` of a
+/// parameter, of which `s/σ` is left when it is freed of the others, a change `δ` of it changes the inverse by `2 δ σ/s` of
+/// itself. Columns count from the window's middle, which is about the barcode's image.
+fn weights(fit: &DetectionFit, h: &HomographyTrace) -> [f64; 2] {
     // Derivatives by `a` are up to `1/(1 - |k|)`, and have as many bits fewer; those by `k` as the half width is wide.
     let growth = match h.k.abs() {
         k if k <= 1.0 / 16.0 => 1.0,
@@ -270,10 +306,14 @@ fn derivative(fit: &DetectionFit, h: &HomographyTrace, gain: f64, noise: f64) ->
     };
     let origin = (h.a - h.s * h.k) / (1.0 - h.k * h.k);
     let c = &fit.covariance;
-    let half_width = c[(1, 1)] - 2.0 * origin * c[(1, 2)] + origin * origin * c[(2, 2)];
-    let reach = 2.0_f64.powf((h.s / (1.0 - h.k.abs())).log2().floor() + 1.0);
-    let squares = growth * growth * (c[(0, 0)] + half_width.max(0.0) + reach * reach * c[(2, 2)]);
-    rounded(unit) * (squares + fit.blur_deviation.powi(2)).sqrt() / noise
+    let half_width = (c[(1, 1)] - 2.0 * origin * c[(1, 2)] + origin * origin * c[(2, 2)]).max(0.0);
+    let farthest = h.s / (1.0 - h.k.abs());
+    let reach = 2.0_f64.powf(farthest.log2().floor() + 1.0);
+    let bits = growth * growth * (c[(0, 0)] + half_width + reach * reach * c[(2, 2)]);
+    // Over the edges `t` the squares of 1, t and t² are 1, 1/3 and 1/5 on average.
+    let moved = c[(0, 0)] + half_width / 3.0 + farthest * farthest * c[(2, 2)] / 5.0;
+    let edges = moved / (1.0 - h.k.abs()).powi(2);
+    [bits, edges].map(|squares| (squares + fit.blur_deviation.powi(2)).sqrt())
 }
 
 /// Bounds on the fit of a detection of the reference.
@@ -283,7 +323,7 @@ fn derivative(fit: &DetectionFit, h: &HomographyTrace, gain: f64, noise: f64) ->
 /// edge's 2^-15 px; the camera's principal column.
 #[must_use]
 pub fn fit(cameras: &Cameras, format: Format, fit: &DetectionFit, h: &HomographyTrace) -> FitBounds {
-    let rounding = Rounding::of(fit, h);
+    let rounding = Rounding::of(format, fit, h);
     let share = rounding.share();
     let deviation = |i: usize| fit.covariance[(i, i)].sqrt();
     let column = cameras.configuration_error().principal_column;
@@ -303,31 +343,53 @@ pub fn fit(cameras: &Cameras, format: Format, fit: &DetectionFit, h: &Homography
         },
         share,
         blur,
-        // As uncertain as a pixel at the most, and four parameters of 8 fraction bits each.
-        light: share * rounding.noise + 4.0 * ulp(8),
+        // Fitted with 12 fraction bits and reported with 8. Beside a step of light a layer's own last step is longer.
+        light: (share + if rounding.steps { OWN_LAST_STEP * OWN_LAST_STEP } else { 0.0 })
+            * rounding.noise
+            * fit.sensitivity.light
+            + ulp(12)
+            + ulp(9),
         variance,
-        // The elimination has 30 bits, for matrices of a condition of up to 2^20.
-        covariance: 2.0 * DEVIATIONS * rounding.derivative + variance + ulp(10),
+        // The elimination has 30 bits, for matrices of a condition of up to 2^20. What a pixel has of an edge is cut to 12 bits,
+        // half a unit of what adds up to 1 along the edge and to 0.3 or more when squared, and so is what moves the edge.
+        covariance: 2.0 * DEVIATIONS * rounding.derivative
+            + variance
+            + rounding.displaced(fit, share)
+            + ulp(10)
+            + 2.0 * (ulp(13) / 0.3 + ulp(13)),
+        further_step: rounding.displaced(fit, LAST_STEP),
         margin,
     }
 }
 
-/// How near to each other the sums of squares of two places of a step of light must be to be taken for one another, squared
-/// grey levels.
-///
-/// Between two places that leave the same sum about two residuals trade places, `2 s²`. The port's inks have 10 fraction bits
-/// there, and the start may be a fiftieth of a standard deviation off in each of its four parameters.
+/// How far the ink of a pixel in the model of a fit may be off, grey levels. Four parameters that are `share` of a standard
+/// deviation off move a pixel by that of the noise, times the square root of the pixel's leverage. Leverages add up to 4; near
+/// edges, where a half or a quarter of the pixels are, they are taken as four times their mean.
 #[must_use]
-pub fn step_lead(fit: &FitTrace) -> f64 {
-    let gain = fit.lights.iter().map(|light| light.levels[1].abs()).fold(0.0, f64::max);
-    let noise = fit.variance.sqrt();
-    2.0 * 2.0_f64.sqrt() * noise * (DEVIATIONS * gain * rounded(ulp(10)) + 2.0 / 50.0 * noise)
+pub fn of_a_pixel(fit: &FitTrace, bounds: &FitBounds) -> f64 {
+    bounds.share * fit.variance.sqrt() * (4.0 * 4.0 / fit.degrees_of_freedom).sqrt()
 }
 
-/// Whether the light of a fit might as well have stepped elsewhere (FIT-15).
+/// Whether the light of a fit might as well have stepped elsewhere (FIT-15): whether the model of a pixel may be off by its
+/// slack, grey levels. The port's inks have 13 fraction bits there, after twelve roundings to 16, and its start leaves a pixel
+/// off by `start`.
 #[must_use]
-pub fn is_tied(fit: &FitTrace) -> bool {
-    fit.step_lead <= step_lead(fit)
+pub fn is_tied(fit: &FitTrace, start: f64) -> bool {
+    let gain = fit.lights.iter().map(|light| light.levels[1].abs()).fold(0.0, f64::max);
+    let ink = rounded(ulp(13)).hypot(12.0_f64.sqrt() * rounded(ulp(16)));
+    fit.step_slack <= DEVIATIONS * gain * ink + start
+}
+
+/// Whether the port's fit might end otherwise at FIT-13's last step: a port that is a twentieth of a standard deviation off
+/// (`tests/bounds.rs`) has a step that is longer by that.
+#[must_use]
+pub fn is_unfinished(fit: &Result<FitTrace, FitRefusal>) -> bool {
+    let most = (1.0 + 1.0 / (20.0 * LAST_STEP)).powi(2);
+    match fit {
+        Ok(fit) => fit.steps == MAX_STEPS && fit.last_decrease * most >= 1.0,
+        Err(FitRefusal::Unfinished(decrease)) => *decrease <= most,
+        Err(_) => false,
+    }
 }
 
 /// Whether a fit under even light is so near to ACCEPT-6's limit that the other pipeline may try a step of light (ACCEPT-1).
@@ -337,12 +399,12 @@ pub fn is_barely_explained(fit: &FitTrace, bounds: &FitBounds) -> bool {
     let Limits { share, .. } = Limits::of(Decoder::Threshold);
     let limit = (share * gain).powi(2) + ALLOWED_NOISE * ALLOWED_NOISE;
     let even = fit.lights.iter().all(|light| light.step.is_none());
-    even && (fit.variance / limit - 1.0).abs() <= bounds.variance + ANOTHER_STEP
+    even && (fit.variance / limit - 1.0).abs() <= bounds.variance
 }
 
-/// How far a guard fit's start is moved to see whether it decides, pixels (SAME-5). The port's derivatives have 10 bits, and
-/// where guards are not explained to 30 to 50 grey levels a first step is uncertain by 10 px: 1 in 200 of it.
-pub const GUARD_START: f64 = 1.0 / 20.0;
+/// How far a trial's start is moved to see whether it decides, pixels (SAME-5). The port's derivatives have 10 bits, and
+/// where stripes are not explained to 30 to 50 grey levels a first step is uncertain by 10 px: 1 in 200 of it.
+pub const START: f64 = 1.0 / 20.0;
 
 /// Bounds on the pose of a fitted detection: its displacement in standard deviations, the covariance's share of what the
 /// bend moves the mean by (COV-2), and formats of 2^-24 m and 2^-31 π; focal length and stripe width.
@@ -373,7 +435,9 @@ pub fn pose_of_fit(
 #[must_use]
 pub fn pose_covariance(detection: &DetectionTrace, fit: Option<&FitBounds>, pose: &PoseTrace) -> f64 {
     if let Some(fit) = fit {
-        fit.covariance + fit.share
+        // Two products and a square at each of five nodes, weighted, have 48 fraction bits: 15 half units at the most.
+        let least = detection.covariance.diagonal().min();
+        fit.covariance + fit.share + 15.0 * ulp(49) / least
     } else {
         let distance = detection.pose.x.hypot(detection.pose.y);
         let error = pose.x + pose.y;

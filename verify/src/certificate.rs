@@ -332,9 +332,9 @@ fn checks(findings: &Findings, renders: &[RenderResult]) -> Vec<Check> {
     let (marginal, frames) = (findings.tally.marginal_frames, findings.tally.frames);
     vec![
         Check {
-            check: "SAME-4: at most 1 frame in 500 is marginal",
+            check: "SAME-4: at most 1 frame in 1,000 is marginal",
             found: format!("{marginal} of {frames}, {} decided differently", findings.tally.differing_frames),
-            verdict: Verdict::of(marginal.saturating_mul(500) <= frames),
+            verdict: Verdict::of(marginal.saturating_mul(1000) <= frames),
         },
         Check {
             check: "renders: both pipelines find what is on every image, and nothing else",

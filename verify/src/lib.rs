@@ -25,6 +25,7 @@ pub mod record_fixedpoint;
 pub mod record_reference;
 pub mod renders;
 pub mod scenes;
+pub mod sensitivity;
 pub mod sequence;
 pub mod site;
 pub mod summary;

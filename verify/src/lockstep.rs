@@ -4,23 +4,24 @@ use crate::bounds::{self, DECLARED_ERROR, FitBounds, Stage};
 use crate::port::{Cameras, Landmarks, port_rule};
 use crate::record_fixedpoint::{self, RecordFixedpoint};
 use crate::record_reference::{self, RecordReference};
+use crate::sensitivity::sensitivity;
 use crate::tally::{Frame, Tally};
 use crate::trace::{
-    DetectionFit, DetectionTrace, HomographyTrace, HypothesisTrace, Outcome, PairTrace, PoseTrace, SampleTrace, Trace,
-    TrialTrace,
+    DetectionFit, DetectionTrace, FitTrace, HomographyTrace, HypothesisTrace, Outcome, PairTrace, PoseTrace,
+    SampleTrace, Trace, TrialTrace,
 };
 use fixedpoint::detect::Workspace;
 use nalgebra::Matrix3;
-use reference::accept::{View, accept_fit};
-use reference::codeword;
+use reference::accept::View;
 use reference::crossing::CrossingRule;
+use reference::decode::DecodedLayer;
 use reference::extents::{Extent, Pair};
-use reference::fit::FitLayer;
 use reference::frame::wrap;
 use reference::homography::Homography;
-use reference::landmark::{Format, Landmark, stripes};
-use reference::merge::Decoder;
-use reference::observer::Silent;
+use reference::hypotheses::Hypothesis;
+use reference::landmark::{Format, Landmark};
+use reference::merge::{Decoder, conclude_settled, merge};
+use reference::observer::{Layer, Silent};
 use reference::refusal::CandidateRefusal;
 use reference::trellis;
 
@@ -55,7 +56,29 @@ impl Setting {
         );
         record.trace.heard_is_returned = heard == record.trace.detections;
         record.trace.keep_lines(upper, lower);
+        self.add_sensitivity(&mut record.trace);
         record.trace
+    }
+
+    /// Notes how sensitive the fits are that ACCEPT has asked about.
+    fn add_sensitivity(&self, trace: &mut Trace) {
+        let asked = |trial: &&mut TrialTrace| trial.tests.iter().any(|test| test.refusal == CandidateRefusal::Margin);
+        let lines = trace.lines.each_ref().map(|line| &line.values[..]);
+        for trial in trace.trials.iter_mut().filter(asked) {
+            let found = sensitivity(trial, lines, &self.cameras.reference);
+            if let (Some(found), Some(fit)) = (found, trial.fits.iter_mut().flatten().last()) {
+                fit.sensitivity = found;
+            }
+        }
+        for detection in &mut trace.detections {
+            let (homography, trials) = (detection.homography, &trace.trials);
+            let mut fits = trials.iter().flat_map(|trial| trial.fits.iter().flatten());
+            if let Some(fit) = &mut detection.fit
+                && let Some(same) = fits.find(|other| (other.homography, other.blur) == (homography, fit.blur))
+            {
+                fit.sensitivity = same.sensitivity;
+            }
+        }
     }
 
     /// The port's trace.
@@ -88,6 +111,21 @@ impl Setting {
     #[must_use]
     pub fn fit_bounds(&self, detection: &DetectionTrace) -> Option<FitBounds> {
         detection.fit.as_ref().map(|fit| bounds::fit(&self.cameras, detection.format, fit, &detection.homography))
+    }
+
+    /// Whether the light of one of a trial's fits might as well have stepped elsewhere (FIT-15). A fit under a step of light
+    /// starts from the one before it if that was one too (TRELLIS-9), and else from a merged homography.
+    fn is_tied(&self, trial: &TrialTrace) -> bool {
+        let stepped = |fit: &&FitTrace| fit.lights.iter().any(|light| light.step.is_some());
+        let fits: Vec<Option<&FitTrace>> = trial.fits.iter().map(|fit| fit.as_ref().ok()).collect();
+        let before = std::iter::once(None).chain(fits.iter().copied());
+        before.zip(&fits).any(|(before, fit)| {
+            let start = before.filter(stepped).map_or(0.0, |before| {
+                let bounds = bounds::fit(&self.cameras, trial.format, &before.with_margin(0.0), &before.homography);
+                bounds::of_a_pixel(before, &bounds)
+            });
+            fit.is_some_and(|fit| bounds::is_tied(fit, start))
+        })
     }
 
     /// Bounds on a detection's pose.
@@ -247,7 +285,8 @@ impl Comparison<'_> {
             let same = r.accepted() == p.accepted();
             self.apart |= !same;
             let hangs = || {
-                r.fits.iter().flatten().any(bounds::is_tied)
+                self.setting.is_tied(r)
+                    || r.fits.iter().any(bounds::is_unfinished)
                     || depends_on_start(self.setting, reference, r, p.accepted())
             };
             if is_marginal(self.setting, r) || !same && hangs() {
@@ -274,8 +313,12 @@ impl Comparison<'_> {
         if let (Some(fit), Some(other), Some(bounds)) = (&r.fit, &p.fit, self.setting.fit_bounds(r)) {
             if steps(fit) != steps(other) {
                 // FIT-15 ties, or even light that only just explains the pixels (ACCEPT-1): fits of different pixels.
-                let undecided = |fit| bounds::is_tied(fit) || bounds::is_barely_explained(fit, &bounds);
-                let tie = reference.fits_at(r.format, r.pixels).any(undecided);
+                let explained = |fit| bounds::is_barely_explained(fit, &bounds);
+                let here = |trial: &&TrialTrace| (trial.format, trial.pixels) == (r.format, r.pixels);
+                let trials = || reference.trials.iter().filter(here);
+                let tie = trials().any(|trial| self.setting.is_tied(trial))
+                    || trials().any(|trial| trial.fits.iter().any(bounds::is_unfinished))
+                    || trials().any(|trial| trial.fits.iter().flatten().any(explained));
                 self.differs |= tie;
                 return self.exact(Stage::FitPixels, tie);
             }
@@ -306,14 +349,12 @@ impl Comparison<'_> {
             // Beside a step of light that is not determined, FIT-8 keeps at rest where it is.
             if one.step.is_none() {
                 let differences = one.levels.iter().zip(other.levels).map(|(one, other)| (one - other).abs());
-                // Where one stopped a step before the other its light has yet to follow.
-                let steps = if r.steps == p.steps { 1.0 } else { 2.0 };
-                self.bounded(Stage::FitLight, differences.fold(0.0, f64::max), steps * bounds.light);
+                self.bounded(Stage::FitLight, differences.fold(0.0, f64::max), bounds.light);
             }
         }
-        let stop = if r.steps == p.steps { 0.0 } else { bounds::ANOTHER_STEP };
-        self.bounded(Stage::FitVariance, (r.variance - p.variance) / r.variance, bounds.variance + stop);
-        self.bounded(Stage::FitCovariance, relative(&r.covariance, &p.covariance), bounds.covariance + stop);
+        let further = if r.steps == p.steps { 0.0 } else { bounds.further_step };
+        self.bounded(Stage::FitVariance, (r.variance - p.variance) / r.variance, bounds.variance);
+        self.bounded(Stage::FitCovariance, relative(&r.covariance, &p.covariance), bounds.covariance + further);
         self.bounded(Stage::Margin, (r.margin - p.margin) / r.margin, bounds.margin);
     }
 }
@@ -340,36 +381,58 @@ pub fn relative(one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
     entries.map(|(i, j)| (one[(i, j)] - other[(i, j)]).abs() / scale(i, j)).fold(0.0, f64::max)
 }
 
-/// Whether the reference itself decides on a pair of extents as the port did when its guard fit starts a little elsewhere: a
-/// guard fit that is far from its end after five steps, as those of what is no barcode mostly are, is led either way by
-/// less than it knows.
+/// Whether the reference itself decides on a pair as the port did when its first fit starts a little elsewhere (SAME-5): a fit
+/// that is far from its end after some steps, as those of what is no barcode mostly are, is led either way by less than it
+/// knows.
 fn depends_on_start(setting: &Setting, trace: &Trace, trial: &TrialTrace, other: Option<(Decoder, u32)>) -> bool {
-    let Some(landmark) = setting.landmark(trial.format).filter(|_| trial.decoder == Decoder::Trellis) else {
-        return false;
-    };
+    let Some(landmark) = setting.landmark(trial.format) else { return false };
     let lines = [&trace.lines[0].values[..], &trace.lines[1].values[..]];
     let view = View { lines, camera: &setting.cameras.reference, landmark, rule: setting.rule };
     let pair = trial.pixels.map(|(first, last)| Extent { first, last });
-    let start = trellis::guard_start(&pair, view.camera);
-    let moves =
-        (0..27).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1].map(|way| f64::from(way) * bounds::GUARD_START));
-    let mut starts = moves.map(|[a, s, k]| Homography { a: start.a + a, s: start.s + s, k: k / start.s });
-    starts.any(|start| decided_from(&pair, &start, &view) == other)
+    let layers = [Layer::Upper, Layer::Lower].map(|layer| layer_at(trace, trial, layer));
+    let decided = |moves: [f64; 3]| match (trial.decoder, layers) {
+        (Decoder::Trellis, _) => decided_from(&pair, &moved(&trellis::guard_start(&pair, view.camera), moves), &view),
+        (Decoder::Threshold, [Some(upper), Some(lower)]) => {
+            let [upper, lower] =
+                [upper, lower].map(|layer| DecodedLayer { homography: moved(&layer.homography, moves), ..layer });
+            let mut detections = Vec::new();
+            merge(&[upper], &[lower], &view, &mut detections, &mut Silent);
+            detections.first().map(|found| (found.decoder, found.payload))
+        }
+        _ => trial.accepted(),
+    };
+    let ways = (0..27).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]);
+    let mut moves = ways.map(|ways| ways.map(|way| f64::from(way) * bounds::START));
+    moves.any(|moves| decided(moves) == other)
+}
+
+/// A homography with its `a` and `s` moved, and its `k` by as many pixels at the barcode's ends.
+fn moved(h: &Homography, [a, s, k]: [f64; 3]) -> Homography {
+    Homography { a: h.a + a, s: h.s + s, k: h.k + k / h.s }
+}
+
+/// The layer of a trial as the reference has decoded it.
+fn layer_at(trace: &Trace, trial: &TrialTrace, layer: Layer) -> Option<DecodedLayer> {
+    let pixels = trial.pixels[usize::from(layer == Layer::Lower)];
+    let here = |roi: &&HypothesisTrace| (roi.layer, roi.format, roi.pixels) == (layer, trial.format, pixels);
+    trace.hypotheses.iter().filter(here).find_map(|roi| {
+        let Outcome::Decoded { half_word, homography: HomographyTrace { a, s, k } } = roi.outcome else { return None };
+        let hypothesis = Hypothesis {
+            first_region: roi.regions.0,
+            last_region: roi.regions.1,
+            first_pixel: pixels.0,
+            last_pixel: pixels.1,
+        };
+        Some(DecodedLayer { thresholding: roi.thresholding, hypothesis, half_word, homography: Homography { a, s, k } })
+    })
 }
 
 /// What the reference makes of a pair of extents whose guard fit starts at a homography.
 fn decided_from(pair: &Pair, start: &Homography, view: &View<'_>) -> Option<(Decoder, u32)> {
-    let (format, decoder) = (view.landmark.format, Decoder::Trellis);
-    let settled = trellis::decode_from(pair, start, view, &mut Silent).ok()?;
-    let payload = codeword::decode(format, settled.half_words[0], settled.half_words[1]).ok()?;
-    let colours = settled.half_words.map(|word| stripes(format, word));
-    let layers = [0, 1].map(|i| FitLayer {
-        line: view.lines[i],
-        first_pixel: pair[i].first,
-        last_pixel: pair[i].last,
-        stripes: &colours[i],
-    });
-    accept_fit(&layers, settled.fitted, decoder, view, &mut Silent).ok().map(|_| (decoder, payload))
+    let mut detections = Vec::new();
+    let settled = trellis::decode_from(pair, start, view, &mut Silent);
+    conclude_settled(pair, settled, view, &mut detections, &mut Silent);
+    detections.first().map(|found| (found.decoder, found.payload))
 }
 
 /// Whether the decision on a pair might have been another one by the bounds of what it was decided on (SAME-5): whether
@@ -382,7 +445,7 @@ fn is_marginal(setting: &Setting, trial: &TrialTrace) -> bool {
         Some(bounds::fit(&setting.cameras, trial.format, &fit.with_margin(margin.limit), &fit.homography))
     });
     let tests = || trial.tests.iter().map(|test| (test.slack(), bounds::test(test, fit.as_ref())));
-    let tie = trial.accepted().is_some() && trial.fits.iter().flatten().last().is_some_and(bounds::is_tied);
+    let tie = trial.accepted().is_some() && setting.is_tied(trial);
     let near = tie || tests().any(|(slack, bound)| slack.abs() <= bound);
     let fails = tests().any(|(slack, bound)| slack < -bound);
     near && !fails

@@ -1,5 +1,6 @@
 //! Records what the port does.
 
+use crate::sensitivity::Sensitivity;
 use crate::trace::{
     DetectionFit, DetectionTrace, FitTrace, HomographyTrace, LightTrace, Outcome, PairTrace, PoseTrace, RegionsTrace,
     ResidualTrace, SampleTrace, Trace,
@@ -66,6 +67,7 @@ fn detection_fit(summary: &FitSummary, homography: &HomographyTrace, trace: &Tra
         degrees_of_freedom: fit.map_or(f64::NAN, |fit| fit.degrees_of_freedom),
         steps: fit.map_or(0, |fit| fit.steps),
         lights: fit.map(|fit| fit.lights).unwrap_or_default(),
+        sensitivity: Sensitivity::default(),
     }
 }
 
@@ -79,8 +81,10 @@ fn fit_trace(fitted: &Fitted) -> FitTrace {
         covariance: covariance(&fitted.covariance),
         degrees_of_freedom: f64::from(fitted.degrees_of_freedom),
         steps: usize::from(fitted.steps),
+        last_decrease: 0.0,
         lights: [light(0), light(1)],
-        step_lead: f64::INFINITY,
+        step_slack: f64::INFINITY,
+        sensitivity: Sensitivity::default(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Records what the reference does.
 
+use crate::sensitivity::Sensitivity;
 use crate::trace::{
     DetectionFit, DetectionTrace, FitTrace, HomographyTrace, LightTrace, Outcome, PairTrace, PoseTrace, RegionsTrace,
     ResidualTrace, SampleTrace, Trace,
@@ -61,8 +62,10 @@ fn fit_trace(fitted: &Fitted) -> FitTrace {
         covariance: fitted.covariance,
         degrees_of_freedom: fitted.degrees_of_freedom as f64,
         steps: fitted.steps,
+        last_decrease: fitted.last_decrease,
         lights: [light(0), light(1)],
-        step_lead: fitted.step_lead,
+        step_slack: fitted.step_slack,
+        sensitivity: Sensitivity::default(),
     }
 }
 

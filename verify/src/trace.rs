@@ -2,6 +2,7 @@
 //!
 //! Both recorders fill this form from the observers of their pipeline. Enumerations are the reference's.
 
+use crate::sensitivity::Sensitivity;
 use nalgebra::Matrix3;
 use reference::accept::Test;
 use reference::landmark::Format;
@@ -204,10 +205,14 @@ pub struct FitTrace {
     pub degrees_of_freedom: f64,
     /// Steps taken.
     pub steps: usize,
+    /// What the last one lowered the sum of squares by, as a share of FIT-11's limit; the port does not say and has 0.
+    pub last_decrease: f64,
     /// The light of both layers.
     pub lights: [LightTrace; 2],
-    /// How clearly the light steps there, squared grey levels; infinite where none is known or it does not step.
-    pub step_lead: f64,
+    /// How far the model of a pixel is from placing a step elsewhere, grey levels; infinite where none is known.
+    pub step_slack: f64,
+    /// What the rounding of a pixel does to it; the reference's fits that ACCEPT asks about have it.
+    pub sensitivity: Sensitivity,
 }
 
 /// The light of a layer: grey levels.
@@ -224,7 +229,18 @@ impl FitTrace {
     #[must_use]
     pub fn with_margin(&self, margin: f64) -> DetectionFit {
         let Self { blur, blur_deviation, variance, covariance, degrees_of_freedom, steps, lights, .. } = *self;
-        DetectionFit { blur, variance, covariance, margin, blur_deviation, degrees_of_freedom, steps, lights }
+        let sensitivity = self.sensitivity;
+        DetectionFit {
+            blur,
+            variance,
+            covariance,
+            margin,
+            blur_deviation,
+            degrees_of_freedom,
+            steps,
+            lights,
+            sensitivity,
+        }
     }
 }
 
@@ -247,6 +263,8 @@ pub struct DetectionFit {
     pub steps: usize,
     /// The light of both layers, from the fit itself.
     pub lights: [LightTrace; 2],
+    /// What the rounding of a pixel does to it, from the fit itself.
+    pub sensitivity: Sensitivity,
 }
 
 /// A detection.
@@ -373,12 +391,6 @@ impl Trace {
         for (line, values) in self.lines.iter_mut().zip([upper, lower]) {
             line.values = values.to_vec();
         }
-    }
-
-    /// The fits of what is at a place, by its format and pixels, however it was read.
-    pub fn fits_at(&self, format: Format, pixels: [(usize, usize); 2]) -> impl Iterator<Item = &FitTrace> {
-        let here = move |trial: &&TrialTrace| (trial.format, trial.pixels) == (format, pixels);
-        self.trials.iter().filter(here).flat_map(|trial| trial.fits.iter().flatten())
     }
 
     /// The fit with this homography and blur.

@@ -21,8 +21,11 @@ const FINER_BITS: i32 = 4;
 /// What added to the diagonal of the layer's own block keeps it positive: 2^-8 (`FIT-8`).
 const RIDGE: i64 = 1 << (2 * OWN_BITS - 8);
 
-/// The largest value of a gain or an offset: 511 grey levels in 2^-8.
-const BRIGHTEST: i64 = 511 << 8;
+/// Fraction bits of the light while it is fitted: what rounding it costs must be less than `FIT-11` allows to be left.
+const LIGHT_BITS: u32 = 12;
+
+/// The largest value of a gain or an offset along the window: 511 grey levels (`FIT-13`).
+const BRIGHTEST: i64 = 511 << LIGHT_BITS;
 
 /// A layer while it is fitted.
 #[derive(Clone, Debug)]
@@ -36,7 +39,10 @@ pub(super) struct LayerModel<'a> {
     hidden: Option<RangeInclusive<u16>>,
     /// Whether the light may change along the window.
     sloped: bool,
-    pub(super) light: LayerLight,
+    /// `o`, `g`, `o'` and `g'` in 2^-12 grey levels.
+    levels: [i32; 4],
+    /// The pixel of a step of light.
+    step: Option<u16>,
 }
 
 impl<'a> LayerModel<'a> {
@@ -66,13 +72,14 @@ impl<'a> LayerModel<'a> {
             last,
             hidden: None,
             sloped: plan != Plan::Guards,
-            light: LayerLight { offset: i32::from(brightest) << 8, gain: gain << 8, ..LayerLight::default() },
+            levels: [i32::from(brightest) << LIGHT_BITS, gain << LIGHT_BITS, 0, 0],
+            step: None,
         };
         match plan {
             Plan::Code(Illumination::Even) => {}
             Plan::Code(Illumination::Step) => {
                 let sweep = || Sweep::new(projection, layer.stripes, format, blur, i32::from(first) - origin);
-                model.light.step = light::step(window, sweep, gain).and_then(|place| first.checked_add(place));
+                model.step = light::step(window, sweep, gain).and_then(|place| first.checked_add(place));
             }
             Plan::Guards => model.hidden = code_pixels(format, origin, projection),
         }
@@ -84,7 +91,7 @@ impl<'a> LayerModel<'a> {
         let window = self.line.get(usize::from(self.first)..=usize::from(self.last)).unwrap_or(&[]);
         (self.first..).zip(window).map(|(pixel, &value)| {
             let hidden = self.hidden.as_ref().is_some_and(|hidden| hidden.contains(&pixel));
-            let left_out = value == 0 || value == u8::MAX || hidden || self.light.step == Some(pixel);
+            let left_out = value == 0 || value == u8::MAX || hidden || self.step == Some(pixel);
             (pixel, (!left_out).then_some(value))
         })
     }
@@ -92,6 +99,13 @@ impl<'a> LayerModel<'a> {
     /// The number of pixels that count.
     pub(super) fn pixels(&self) -> u16 {
         self.values().map(|(_, value)| u16::from(value.is_some())).sum()
+    }
+
+    /// Whether their values differ by 12 grey levels or more (`FIT-12`).
+    pub(super) fn has_contrast(&self) -> bool {
+        let values = || self.values().filter_map(|(_, value)| value);
+        let (darkest, brightest) = (values().min().unwrap_or(0), values().max().unwrap_or(0));
+        brightest.saturating_sub(darkest) >= 12
     }
 
     /// The layer's normal equations, its own parameters eliminated (`FIT-8`); `None` if they are not positive definite.
@@ -104,14 +118,14 @@ impl<'a> LayerModel<'a> {
         origin: i32,
         into: &mut LayerEquations,
     ) -> Option<()> {
-        let units = Units::of(&self.light, projection);
+        let units = Units::of(&self.light(), projection);
         let mut sweep = Sweep::new(projection, self.stripes, format, blur, i32::from(self.first) - origin);
         let mut sums = Sums::default();
         let places = self.places();
         for (pixel, value) in self.values() {
             let inked = sweep.pixel();
             if let Some(value) = value {
-                sums.add(value, self.lambda(pixel, places), &self.light, &inked, &units);
+                sums.add(value, self.lambda(pixel, places), &self.levels, &inked, &units);
             }
         }
         let equations = &mut into.equations;
@@ -135,7 +149,7 @@ impl<'a> LayerModel<'a> {
     /// change.
     fn lambda(&self, pixel: u16, places: i32) -> i32 {
         let (first, last, pixel) = (i32::from(self.first), i32::from(self.last), i32::from(pixel));
-        match self.light.step {
+        match self.step {
             _ if !self.sloped => 0,
             Some(step) if pixel < i32::from(step) => -(1 << 12),
             Some(_) => 1 << 12,
@@ -143,16 +157,23 @@ impl<'a> LayerModel<'a> {
         }
     }
 
-    /// The layer's own step, which follows from the common one (`FIT-8`, `FIT-9`).
+    /// The layer's own step, which follows from the common one (`FIT-8`, `FIT-9`); `None` where it leads out of `FIT-13`'s
+    /// bounds.
     #[inline(never)] // likewise
-    pub(super) fn follow(&mut self, equations: &LayerEquations, step: &Shortened) {
+    pub(super) fn follow(&mut self, equations: &LayerEquations, step: &Shortened) -> Option<()> {
         let own = equations.own_step(step);
-        let light = &mut self.light;
-        let parameters = [&mut light.offset, &mut light.gain, &mut light.offset_slope, &mut light.gain_slope];
-        for (parameter, change) in parameters.into_iter().zip(own) {
-            let value = i64::from(*parameter).saturating_add(change).clamp(-BRIGHTEST, BRIGHTEST);
-            *parameter = i32::try_from(value).unwrap_or_default();
+        for (parameter, change) in self.levels.iter_mut().zip(own) {
+            let value = i64::from(*parameter).saturating_add(change);
+            *parameter = i32::try_from(value).ok().filter(|value| i64::from(value.unsigned_abs()) <= BRIGHTEST)?;
         }
+        let [offset, gain, offset_slope, gain_slope] = self.levels.map(|level| i64::from(level.unsigned_abs()));
+        (offset + offset_slope <= BRIGHTEST && gain + gain_slope <= BRIGHTEST).then_some(())
+    }
+
+    /// The light, rounded to 8 fraction bits.
+    pub(super) fn light(&self) -> LayerLight {
+        let [offset, gain, offset_slope, gain_slope] = self.levels.map(|level| rounded(level, LIGHT_BITS - 8));
+        LayerLight { offset, gain, offset_slope, gain_slope, step: self.step }
     }
 }
 
@@ -215,17 +236,19 @@ struct Sums {
 impl Sums {
     /// Adds a pixel.
     ///
-    /// Rounding errors of the residual, in grey levels: 2^-9 each from the offset and the product, and the gain's 2^-9 times
-    /// the ink.
-    fn add(&mut self, value: u8, lambda: i32, light: &LayerLight, inked: &InkedPixel, units: &Units) {
-        let gain = (light.gain + ((light.gain_slope * lambda + (1 << 11)) >> 12)).clamp(-(511 << 8), 511 << 8);
-        let offset = light.offset + ((light.offset_slope * lambda + (1 << 11)) >> 12);
+    /// Rounding errors of the residual, in grey levels: 2^-9 its own, and 2^-13 each from the offset and the product, and the
+    /// gain's 2^-13 times the ink.
+    fn add(&mut self, value: u8, lambda: i32, levels: &[i32; 4], inked: &InkedPixel, units: &Units) {
+        let [offset, gain, offset_slope, gain_slope] = levels.map(i64::from);
+        let changed = |level: i64, slope: i64| level + ((slope * i64::from(lambda) + (1 << 11)) >> 12);
+        let gain = changed(gain, gain_slope);
         let ink = (inked.ink + 2) >> 2; // 14 fraction bits
         // All bits of the ink: what is dropped differs from step to step, and FIT-11 would take that for a way still to go.
-        let inked_part = (i64::from(gain) * i64::from(inked.ink) + (1 << 15)) >> 16;
-        let model = i64::from(offset) + inked_part;
-        let residual = ((i64::from(value) << 8) - model).clamp(-0xFFFF, 0xFFFF);
+        let model = changed(offset, offset_slope) + ((gain * i64::from(inked.ink) + (1 << 15)) >> 16);
+        let residual = (i64::from(value) << LIGHT_BITS) - model;
+        let residual = ((residual + (1 << LIGHT_BITS >> 9)) >> (LIGHT_BITS - 8)).clamp(-0xFFFF, 0xFFFF);
         let residual = i32::try_from(residual).unwrap_or_default();
+        let gain = rounded(i32::try_from(gain).unwrap_or_default(), LIGHT_BITS - 8);
 
         let fine = [1 << 14, ink, lambda << 2, (lambda * ink + (1 << 11)) >> 12];
         let own = fine.map(coarse);
@@ -271,9 +294,14 @@ fn common(inked: &InkedPixel, gain: i32, units: &Units) -> [i32; 4] {
     [a, s, k, limited((inked.spread * gain + (1 << 11)) >> (16 - FINER_BITS))]
 }
 
+/// `value` without its last `bits`, rounded to nearest, halves up.
+fn rounded(value: i32, bits: u32) -> i32 {
+    (value + (1 << bits >> 1)) >> bits
+}
+
 /// A fine derivative with 10 bits.
 fn coarse(derivative: i32) -> i32 {
-    (derivative + (1 << FINER_BITS >> 1)) >> FINER_BITS
+    rounded(derivative, FINER_BITS.unsigned_abs())
 }
 
 /// The upper triangle of the products of four numbers, by rows.
@@ -323,7 +351,7 @@ impl LayerEquations {
         Self { equations: Equations::empty(), squares: 0 }
     }
 
-    /// The change of the own parameters in 2^-8 grey levels.
+    /// The change of the own parameters in 2^-12 grey levels.
     fn own_step(&self, step: &Shortened) -> [i64; 4] {
         let mut solution = [0; 9];
         let exponents = self.equations.exponents;
@@ -340,7 +368,7 @@ impl LayerEquations {
         let [change @ .., _, _, _, _, _] = solution;
         let mut changes = [0; 4];
         for ((place, value), exponent) in changes.iter_mut().zip(change).zip(own) {
-            *place = binary::scaled(value, right - exponent - i32::from(SOLUTION_BITS) + 8);
+            *place = binary::scaled(value, right - exponent - i32::from(SOLUTION_BITS) + LIGHT_BITS.cast_signed());
         }
         changes
     }

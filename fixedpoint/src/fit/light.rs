@@ -9,7 +9,7 @@ use crate::sweep::Sweep;
 /// The place in the window of the pixel that parts both sides best; `None` in a window of less than 3 px.
 ///
 /// `gain` is `g_0` in grey levels; the sweep starts at the window's first pixel. Rounding errors of a sum of squares, in
-/// squared grey levels: that of the ink, 2^-11 of the gain per pixel, and less than 2^-10 from two divisions.
+/// squared grey levels: that of the ink, 2^-14 of the gain per pixel, and less than 2^-10 from two divisions.
 pub(super) fn step(window: &[u8], sweep: impl Fn() -> Sweep, gain: i32) -> Option<u16> {
     let pixels = || {
         let mut sweep = sweep();
@@ -32,9 +32,9 @@ pub(super) fn step(window: &[u8], sweep: impl Fn() -> Sweep, gain: i32) -> Optio
     best.map(|(_, place)| place)
 }
 
-/// Sums over pixels: of ink and `y` in 2^-10, of products in 2^-20.
+/// Sums over pixels: of ink and `y` in 2^-13, of products in 2^-26.
 ///
-/// `|y| <= 510 · 2^10`, so over 640 px `Σ y²` is below 2^47.4 and `n Σ y²` below 2^56.7.
+/// `|y| <= 510 · 2^13`, so over 640 px `Σ y²` is below 2^53.4 and `n Σ y²` below 2^62.7.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     count: i64,
@@ -51,8 +51,8 @@ impl Sums {
         if value == 0 || value == u8::MAX {
             return Self::default();
         }
-        let c = i64::from((ink + (1 << 5)) >> 6);
-        let y = (i64::from(value) << 10) - i64::from(gain) * c;
+        let c = i64::from((ink + (1 << 2)) >> 3);
+        let y = (i64::from(value) << 13) - i64::from(gain) * c;
         Self { count: 1, c, y, cc: c * c, cy: c * y, yy: y * y }
     }
 
@@ -67,14 +67,15 @@ impl Sums {
         }
     }
 
-    /// The least sum of squares in 2^-20. At the least, an error of the gain's change counts squared.
+    /// The least sum of squares in 2^-26. At the least, an error of the gain's change, 2^-9, counts squared. `n Σ c y` is
+    /// below 2^53.7.
     fn squares(&self) -> i64 {
         let n = self.count;
         let yy = n * self.yy - self.y * self.y;
         let cy = n * self.cy - self.c * self.y;
-        let cc = n * self.cc - self.c * self.c + (n << 16);
-        let change = (cy << 12).checked_div(cc).unwrap_or(0);
-        let slack = 2 * cy - binary::product(change, cc, 12);
-        (yy - binary::product(change, slack, 12)).checked_div(n).unwrap_or(0)
+        let cc = n * self.cc - self.c * self.c + (n << 22);
+        let change = (cy << 9).checked_div(cc).unwrap_or(0);
+        let slack = 2 * cy - binary::product(change, cc, 9);
+        (yy - binary::product(change, slack, 9)).checked_div(n).unwrap_or(0)
     }
 }

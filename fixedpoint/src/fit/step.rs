@@ -1,5 +1,6 @@
 //! A Gauss-Newton step from the reduced normal equations of all layers.
 
+use super::Illumination;
 use super::layer::LayerEquations;
 use crate::binary;
 use crate::covariance::Covariance;
@@ -16,8 +17,9 @@ const SPARE_BITS: i32 = 10;
 pub(super) struct Step {
     equations: Equations<5>,
     changes: [Change; 4],
-    /// `Δᵀ M Δ` in units of the scaled residuals' diagonal.
-    decrement: i64,
+    /// The sum of squares that the linearised model keeps after the layers' own steps alone, and after the whole step, in
+    /// units of the scaled residuals' diagonal.
+    kept: [i64; 2],
 }
 
 /// A number and its power of two: `value · 2^exponent`, of px or of `k`.
@@ -41,41 +43,51 @@ impl Step {
     #[inline(never)] // its stack is not the others'
     pub(super) fn solve(layers: &[LayerEquations], blur: Column) -> Option<Self> {
         let mut equations = sum(layers);
-        let squares = equations.entry(4, 4);
-        for pivot in 0..3 {
+        let without_common = i64::from(equations.entry(4, 4));
+        for pivot in 0..4 {
             equations.eliminate(pivot)?;
         }
-        let explained = i64::from(squares) - i64::from(equations.entry(4, 4));
-        equations.eliminate(3)?;
+        let least = i64::from(equations.entry(4, 4));
         let mut solution = [0; 5];
         equations.substitute(3, &mut solution);
         let [a, s, k, sigma, right] = equations.exponents;
         let exponent = |column: i32| right - column - i32::from(SOLUTION_BITS);
         let spread = Change { value: solution[3], exponent: exponent(sigma) }.scaled(20);
         let limited = limited(blur, spread);
+        let free = solution[3];
         if limited != spread {
             solution[3] = binary::scaled(limited, -20 - exponent(sigma)).clamp(-(1 << 32), 1 << 32);
         }
         for pivot in (0..3).rev() {
             equations.substitute(pivot, &mut solution);
         }
-        let square = binary::product(solution[3], solution[3], SOLUTION_BITS);
+        let missed = free - solution[3];
+        let square = binary::product(missed, missed, SOLUTION_BITS);
         let by_blur = binary::product(square, i64::from(equations.entry(3, 3)), SOLUTION_BITS);
         let mut changes = [Change::default(); 4];
         for ((change, value), column) in changes.iter_mut().zip(solution).zip([a, s, k, sigma]) {
             *change = Change { value, exponent: exponent(column) };
         }
-        Some(Self { equations, changes, decrement: explained.saturating_add(by_blur) })
+        Some(Self { equations, changes, kept: [without_common, least.saturating_add(by_blur)] })
     }
 
     /// Whether the fit has converged with this step (`FIT-11`); `squares` has 16 fraction bits.
     ///
-    /// The decrement's error is at most 8 units of the squares' diagonal, which is 2^28 at least; the limit is
-    /// `2^28/(2500 (n - p))`, 84 units for the most pixels.
-    pub(super) fn is_last(&self, squares: i64, degrees_of_freedom: u16) -> bool {
+    /// What is kept is off by at most 16 units of the squares' diagonal, which is 2^28 at least; the limit is
+    /// `2^28/(225 (n - p))`, 932 units for the most pixels.
+    pub(super) fn is_last(&self, squares: i64, degrees_of_freedom: u16, illumination: Illumination) -> bool {
         let [.., right] = self.equations.exponents;
-        let limit = binary::scaled(squares, -16 - 2 * right);
-        self.decrement.saturating_mul(900 * i64::from(degrees_of_freedom)) <= limit
+        let degrees_of_freedom = i64::from(degrees_of_freedom);
+        let units = |squares: i64| binary::scaled(squares, -16 - 2 * right);
+        let limit = units(squares.max(least_squares(degrees_of_freedom)));
+        let least = |from: i64, to: i64, part: i64| {
+            from.saturating_sub(to).saturating_mul(part.saturating_mul(degrees_of_freedom)) <= limit
+        };
+        let [without_common, kept] = self.kept;
+        match illumination {
+            Illumination::Even => least(units(squares), kept, 225),
+            Illumination::Step => least(units(squares), without_common, 16) && least(without_common, kept, 225),
+        }
     }
 
     /// The step, shortened as a whole (`FIT-9`); `origin` is that of its columns relative to the principal column.
@@ -114,6 +126,11 @@ impl Step {
             kk: entry(2, 2),
         }
     }
+}
+
+/// The sum of squares, with 16 fraction bits, of pixels of the least variance, 1/4 (`FIT-11`).
+pub(super) fn least_squares(degrees_of_freedom: i64) -> i64 {
+    degrees_of_freedom << 14
 }
 
 /// The step of σ, in 2^-20 px, that stays within `FIT-10`'s range.

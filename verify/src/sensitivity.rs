@@ -1,0 +1,144 @@
+//! How far the minimum of a fit moves when its pixels or its derivatives are rounded.
+//!
+//! Gauss-Newton's matrix `A = JᵀJ` says how well a minimum is known. How far it moves with an error of the pixels, and how fast
+//! the steps come nearer to it, is said by the whole Hessian `A - S`, `S = Σ r ∇²f` over the residuals `r` of the model `f`.
+
+use crate::trace::{FitTrace, TrialTrace};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector4};
+use reference::camera::Camera;
+use reference::codeword;
+use reference::fit::{BLURS, Imaging, Ink, LayerLight, Window, inks, is_limited};
+use reference::homography::Homography;
+
+/// The curvature of the residuals beside that of the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensitivity {
+    /// The largest eigenvalue of `A⁻¹ S`, at least 0: the minimum moves by up to `1/(1 - it)` of what `A` says.
+    pub softening: f64,
+    /// The largest of their absolute values: what a step leaves of the way to the minimum.
+    pub rate: f64,
+    /// The largest standard deviation of a light's parameter, in those of a pixel.
+    pub light: f64,
+}
+
+/// Parameters that the layers have in common, and those of each layer.
+const COMMON: usize = 4;
+
+/// By how much parameters are moved to see how derivatives change: pixels; `k` in as many of the half width.
+const MOVE: f64 = 1e-4;
+
+/// The sensitivity of the last fit of a trial, whose half words are those of its last reading; `None` without one.
+#[must_use]
+pub fn sensitivity(trial: &TrialTrace, lines: [&[u8]; 2], camera: &Camera) -> Option<Sensitivity> {
+    let fit = trial.fits.iter().flatten().last()?;
+    let (_, Ok(payload)) = *trial.readings.last()? else { return None };
+    let colours = codeword::layers(trial.format, payload).ok()?;
+    let columns = if is_limited_blur(fit.blur) { COMMON - 1 } else { COMMON };
+    let n = columns + 4 * colours.len();
+    let (mut normal, mut curvature) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+    for (i, stripes) in colours.iter().enumerate() {
+        let own = columns + 4 * i;
+        for pixel in pixels(trial, fit, i, stripes, lines[i], camera) {
+            pixel.add(&mut normal, &mut curvature, columns, own);
+        }
+        // FIT-8
+        (own..own + 4).for_each(|j| normal[(j, j)] += 1.0 / 256.0);
+    }
+    let root = Cholesky::new(normal)?;
+    let eigenvalues = relative(&root, &curvature)?.symmetric_eigenvalues();
+    let light = root.inverse().diagonal().rows_range(columns..).max().sqrt();
+    Some(Sensitivity { softening: eigenvalues.max().max(0.0), rate: eigenvalues.amax(), light })
+}
+
+/// Whether the blur is at one of FIT-10's limits, where it is no parameter any more.
+#[must_use]
+pub fn is_limited_blur(blur: f64) -> bool {
+    let near = |limit: f64| (blur - limit).abs() <= 2.0_f64.powi(-15);
+    near(*BLURS.start()) || near(*BLURS.end())
+}
+
+/// `L⁻¹ S L⁻ᵀ` with `A = L Lᵀ`, whose eigenvalues are those of `A⁻¹ S`.
+fn relative(root: &Cholesky<f64, Dyn>, curvature: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let half = root.l().solve_lower_triangular(curvature)?;
+    root.l().solve_lower_triangular(&half.transpose())
+}
+
+/// A pixel of the fit: its residual, its derivatives, and how these change.
+struct Pixel {
+    residual: f64,
+    gain: f64,
+    lambda: f64,
+    ink: Ink,
+    /// The second derivatives of its ink.
+    bend: [Vector4<f64>; COMMON],
+}
+
+impl Pixel {
+    fn add(&self, normal: &mut DMatrix<f64>, curvature: &mut DMatrix<f64>, columns: usize, own: usize) {
+        let Self { residual, gain, lambda, ink, ref bend } = *self;
+        let mut row = DVector::zeros(normal.nrows());
+        for i in 0..columns {
+            row[i] = gain * ink.gradient[i];
+            for j in 0..columns {
+                curvature[(i, j)] += residual * gain * f64::midpoint(bend[i][j], bend[j][i]);
+            }
+            // The gain's and its change's columns: the ink, and λ times it.
+            for (place, by) in [(own + 1, 1.0), (own + 3, lambda)] {
+                let mixed = residual * by * ink.gradient[i];
+                curvature[(i, place)] += mixed;
+                curvature[(place, i)] += mixed;
+            }
+        }
+        for (place, value) in (own..).zip([1.0, ink.ink, lambda, lambda * ink.ink]) {
+            row[place] = value;
+        }
+        normal.ger(1.0, &row, &row, 1.0);
+    }
+}
+
+/// The pixels of a layer that count.
+fn pixels(
+    trial: &TrialTrace,
+    fit: &FitTrace,
+    layer: usize,
+    stripes: &[bool],
+    line: &[u8],
+    camera: &Camera,
+) -> Vec<Pixel> {
+    let (first, last) = trial.pixels[layer];
+    let window = Window::of(first, last, trial.format, line.len());
+    let imaging = imaging(fit);
+    let inks = |imaging: &Imaging| inks(imaging, camera, trial.format, stripes, (window.first, window.last));
+    let here = inks(&imaging);
+    let bends: [Vec<Vector4<f64>>; COMMON] = std::array::from_fn(|i| {
+        let there = inks(&moved(&imaging, i));
+        here.iter().zip(&there).map(|(here, there)| (there.gradient - here.gradient) / size(&imaging, i)).collect()
+    });
+    let [offset, gain, offset_slope, gain_slope] = fit.lights[layer].levels;
+    let light = LayerLight { offset, gain, offset_slope, gain_slope, step: fit.lights[layer].step };
+    let counts = |pixel: usize| !is_limited(line[pixel]) && light.step != Some(pixel);
+    let pixel = |(pixel, ink): (usize, Ink)| {
+        let gain = light.gain_at(&window, pixel);
+        let residual = f64::from(line[pixel]) - light.white_at(&window, pixel) - gain * ink.ink;
+        let bend = std::array::from_fn(|i| bends[i][pixel - window.first]);
+        Pixel { residual, gain, lambda: window.lambda(pixel, &light), ink, bend }
+    };
+    (window.first..).zip(here).filter(|&(pixel, _)| counts(pixel)).map(pixel).collect()
+}
+
+fn imaging(fit: &FitTrace) -> Imaging {
+    let homography = Homography { a: fit.homography.a, s: fit.homography.s, k: fit.homography.k };
+    Imaging { homography, blur: fit.blur }
+}
+
+/// How far the parameter `i` is moved.
+fn size(imaging: &Imaging, i: usize) -> f64 {
+    if i == 2 { MOVE / imaging.homography.s } else { MOVE }
+}
+
+fn moved(imaging: &Imaging, i: usize) -> Imaging {
+    let mut moved = *imaging;
+    let Homography { a, s, k } = &mut moved.homography;
+    *[a, s, k, &mut moved.blur][i] += size(imaging, i);
+    moved
+}
