@@ -170,13 +170,13 @@ const DEVIATIONS: f64 = 6.0;
 /// The last step of a fit, in standard deviations, at the most (FIT-11).
 const LAST_STEP: f64 = 1.0 / 15.0;
 
+/// The same of a layer's own parameters beside a step of light.
+const OWN_LAST_STEP: f64 = 1.0 / 4.0;
+
 /// The standard deviation of an edge's derivatives as the port has them, by the gain: they are Taylor series of two terms
 /// around multiples of 1/16, which leave `δ² φ''/2` of `δ` up to 1/32, and end at 15/4 standard deviations of the blur. On
 /// average over that range these are 3.7e-5 for either boundary of a pixel, and 4.6e-5.
 const TABULATED: f64 = 7e-5;
-
-/// The same of a layer's own parameters beside a step of light.
-const OWN_LAST_STEP: f64 = 1.0 / 4.0;
 
 /// Beyond this share of Gauss-Newton's matrix the residuals' curvature leaves hardly a minimum, and fits do not converge.
 const LARGEST_RATE: f64 = 0.9;
@@ -263,8 +263,7 @@ impl Rounding {
     }
 
     /// How far the minimum moves, in standard deviations: an error of `ε` in every pixel, independent of each other, moves it
-    /// by `ε/s`, and one of `δ` in the derivatives by `δ` times the residuals, finer than those of the matrix; where
-    /// the residuals bend the sum of squares, by as much more as it is softer than Gauss-Newton's.
+    /// by `ε/s`, and one of `δ` in the derivatives that meet the residuals by `δ` times these; where the residuals bend the sum of squares, by as much more as it is softer than Gauss-Newton's.
     ///
     /// The last step, at most [`LAST_STEP`], leaves what Gauss-Newton's linear rate says, and of its own square what derivatives
     /// change in a standard deviation: at most themselves, as edges are known to less than the blur's width.

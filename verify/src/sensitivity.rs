@@ -34,6 +34,22 @@ pub fn sensitivity(trial: &TrialTrace, lines: [&[u8]; 2], camera: &Camera) -> Op
     let (_, Ok(payload)) = *trial.readings.last()? else { return None };
     let colours = codeword::layers(trial.format, payload).ok()?;
     let columns = if is_limited_blur(fit.blur) { COMMON - 1 } else { COMMON };
+    let (normal, curvature) = matrices(trial, fit, &colours, lines, camera, columns);
+    let root = Cholesky::new(normal)?;
+    let eigenvalues = relative(&root, &curvature)?.symmetric_eigenvalues();
+    let light = root.inverse().diagonal().rows_range(columns..).max().sqrt();
+    Some(Sensitivity { softening: eigenvalues.max().max(0.0), rate: eigenvalues.amax(), light })
+}
+
+/// `A` and `S` in the first `columns` of the common parameters and those of each layer.
+fn matrices(
+    trial: &TrialTrace,
+    fit: &FitTrace,
+    colours: &[Vec<bool>; 2],
+    lines: [&[u8]; 2],
+    camera: &Camera,
+    columns: usize,
+) -> (DMatrix<f64>, DMatrix<f64>) {
     let n = columns + 4 * colours.len();
     let (mut normal, mut curvature) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     for (i, stripes) in colours.iter().enumerate() {
@@ -44,10 +60,7 @@ pub fn sensitivity(trial: &TrialTrace, lines: [&[u8]; 2], camera: &Camera) -> Op
         // FIT-8
         (own..own + 4).for_each(|j| normal[(j, j)] += 1.0 / 256.0);
     }
-    let root = Cholesky::new(normal)?;
-    let eigenvalues = relative(&root, &curvature)?.symmetric_eigenvalues();
-    let light = root.inverse().diagonal().rows_range(columns..).max().sqrt();
-    Some(Sensitivity { softening: eigenvalues.max().max(0.0), rate: eigenvalues.amax(), light })
+    (normal, curvature)
 }
 
 /// Whether the blur is at one of FIT-10's limits, where it is no parameter any more.
@@ -141,4 +154,69 @@ fn moved(imaging: &Imaging, i: usize) -> Imaging {
     let Homography { a, s, k } = &mut moved.homography;
     *[a, s, k, &mut moved.blur][i] += size(imaging, i);
     moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lockstep::Setting;
+    use crate::port::{Cameras, Landmarks};
+    use crate::scenes;
+    use reference::crossing::CrossingRule;
+
+    /// The sum of squares of a fit whose parameters are moved: a, s, k, blur, and both layers' own.
+    fn squares(trial: &TrialTrace, fit: &FitTrace, by: &[f64], lines: [&[u8]; 2], camera: &Camera) -> f64 {
+        let (_, Ok(payload)) = trial.readings[0] else { panic!("not read") };
+        let colours = codeword::layers(trial.format, payload).unwrap();
+        let mut moved = *fit;
+        (moved.homography.a, moved.homography.s) = (fit.homography.a + by[0], fit.homography.s + by[1]);
+        (moved.homography.k, moved.blur) = (fit.homography.k + by[2], fit.blur + by[3]);
+        for (light, own) in moved.lights.iter_mut().zip([4, 8]) {
+            light.levels.iter_mut().zip(&by[own..]).for_each(|(level, by)| *level += by);
+        }
+        let residuals = [0, 1].map(|i| pixels(trial, &moved, i, &colours[i], lines[i], camera));
+        residuals.iter().flatten().map(|pixel| pixel.residual * pixel.residual).sum()
+    }
+
+    /// `2 (A - S)` is the second difference of the sum of squares, along each parameter and between two of them.
+    #[test]
+    fn the_hessian_is_that_of_the_sum_of_squares() {
+        let camera = Camera::epuck();
+        let setting = Setting {
+            cameras: Cameras::new(camera).unwrap(),
+            landmarks: Landmarks::both(),
+            rule: CrossingRule::Interpolated,
+        };
+        // 40 cm, 45 degrees.
+        let [upper, lower] = scenes::view(5, 0, 0xcc0d, 40, 45).render(&camera);
+        let trace = setting.run_reference(&upper, &lower);
+        let trial = trace.trials.iter().find(|trial| trial.accepted().is_some()).unwrap();
+        // Beside the minimum the residuals are large, and S with them.
+        let mut fit = *trial.fits[0].as_ref().unwrap();
+        fit.homography.a += 0.2;
+        let fit = &fit;
+        let lines = [&upper[..], &lower[..]];
+        let colours = codeword::layers(trial.format, 0xcc0d).unwrap();
+        let (normal, curvature) = matrices(trial, fit, &colours, lines, &camera, COMMON);
+        let mut expected = normal - &curvature;
+        (COMMON..12).for_each(|j| expected[(j, j)] -= 1.0 / 256.0);
+        let sizes = [1e-3, 1e-3, 3e-5, 1e-3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
+        for i in 0..12 {
+            for j in 0..=i {
+                let at = |one: f64, other: f64| {
+                    let mut by = [0.0; 12];
+                    by[i] += one * sizes[i];
+                    by[j] += other * sizes[j];
+                    squares(trial, fit, &by, lines, &camera)
+                };
+                let difference = (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / 8.0;
+                let (found, scale) = (difference / (sizes[i] * sizes[j]), (expected[(i, i)] * expected[(j, j)]).sqrt());
+                assert!((found - expected[(i, j)]).abs() < 2e-3 * scale, "{i} {j}: {found} {}", expected[(i, j)]);
+            }
+        }
+        // Without S that would not hold.
+        assert!((0..COMMON).any(|i| curvature[(i, i)].abs() > 0.02 * expected[(i, i)]), "{curvature}");
+        let found = sensitivity(trial, lines, &camera).unwrap();
+        assert!(found.softening <= found.rate && found.rate > 0.0 && found.rate < 0.5, "{found:?}");
+    }
 }
