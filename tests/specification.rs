@@ -182,6 +182,7 @@ fn both_pipelines_have_the_same_stages() {
         ("trellis", "decode_again"),
         ("accept", "accept"),
         ("accept", "margin"),
+        ("whiteness", "correlations"),
         ("covariance", "transform"),
         ("covariance", "paper"),
         ("merge", "withdraw_ambiguous"),

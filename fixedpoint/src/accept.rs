@@ -16,7 +16,9 @@ use crate::light::{Limited, LitLayer};
 use crate::merge::{Decoder, Detection, FitSummary, Reading, mean};
 use crate::observer::Observer;
 use crate::pose::pose;
+use crate::quiet_zone;
 use crate::refusal::CandidateRefusal;
+use crate::whiteness::{self, Correlations};
 use margin::Squares;
 
 /// What a fit has to keep to, which depends on what decoded it.
@@ -33,7 +35,7 @@ struct Limits {
 impl Limits {
     const THRESHOLD: Self = Self { blur: Column::ONE, contrast: 16, margin: 8 };
     /// 0.9 px is rounded down.
-    const TRELLIS: Self = Self { blur: Column::from_bits(943_718), contrast: 32, margin: 5 };
+    const TRELLIS: Self = Self { blur: Column::from_bits(943_718), contrast: 32, margin: 4 };
 
     const fn of(decoder: Decoder) -> Self {
         match decoder {
@@ -56,6 +58,16 @@ impl Limits {
     /// (`ACCEPT-13`), exactly.
     fn allow(&self, distance: u32, fitted: &Fitted) -> bool {
         self.contrast * self.contrast * u64::from(distance).pow(2) <= self.noise(fitted)
+    }
+
+    /// Whether what is left looks like noise (`ACCEPT-15`), `6 Σ <= n v` times `4 contrast²`, exactly.
+    ///
+    /// Either side has 16 fraction bits. With [`Correlations`] below 2^48 the left one is below 2^62.6; the right one is below
+    /// 2^48.4, `n` being at most 1280.
+    fn take_for_noise(&self, left: &Correlations, fitted: &Fitted) -> bool {
+        let limit = u64::from(left.pixels) * self.noise(fitted);
+        let beyond = |sum: i64| u64::try_from(sum).is_ok_and(|sum| 24 * self.contrast * self.contrast * sum > limit);
+        !beyond(left.neighbours) && !beyond(left.one_between)
     }
 
     /// Whether the margin is wide enough (`ACCEPT-7`), exactly.
@@ -93,7 +105,12 @@ pub struct Candidate {
 #[derive(Clone, Copy, Debug)]
 pub enum Evidence<'a> {
     /// The threshold: both layers' homographies.
-    Threshold([Homography; 2]),
+    Threshold {
+        /// These, the upper one first.
+        layers: [Homography; 2],
+        /// Whether at least one was found by the local threshold.
+        local: bool,
+    },
     /// The trellis: the last fit.
     Trellis(&'a Fitted),
 }
@@ -103,7 +120,7 @@ impl Evidence<'_> {
     #[must_use]
     pub fn decoder(&self) -> Decoder {
         match self {
-            Self::Threshold(_) => Decoder::Threshold,
+            Self::Threshold { .. } => Decoder::Threshold,
             Self::Trellis(_) => Decoder::Trellis,
         }
     }
@@ -121,9 +138,9 @@ pub fn accept<O: Observer>(
 ) -> Result<Detection, CandidateRefusal> {
     match evidence {
         Evidence::Trellis(fitted) => accept_fitted(candidate, Decoder::Trellis, fitted, setting),
-        Evidence::Threshold([upper, lower]) => {
+        Evidence::Threshold { layers: [upper, lower], local } => {
             let merged = mean(&upper, &lower);
-            if !agree(&upper, &lower, &merged, setting.rule) {
+            if !agree(&upper, &lower, &merged, pixels_apart(setting.rule, local)) {
                 return Err(CandidateRefusal::Disagree);
             }
             match fit_threshold(candidate, &merged, setting, observer) {
@@ -134,17 +151,22 @@ pub fn accept<O: Observer>(
     }
 }
 
+/// How many pixels the transitions of two layers may be apart (`ACCEPT-2`).
+fn pixels_apart(rule: CrossingRule, local: bool) -> u8 {
+    1 + u8::from(rule == CrossingRule::WholePixel) + u8::from(local)
+}
+
 /// Whether two layers see one barcode (`ACCEPT-2`), exactly; `s` is that of the merged homography.
-fn agree(upper: &Homography, lower: &Homography, merged: &Homography, rule: CrossingRule) -> bool {
-    let whole = i128::from(rule == CrossingRule::WholePixel);
+fn agree(upper: &Homography, lower: &Homography, merged: &Homography, pixels: u8) -> bool {
+    let pixels = i128::from(pixels);
     let apart = |one: i32, other: i32| i128::from(one.abs_diff(other));
     let pixel = i128::from(Column::ONE.to_bits());
     let (s, s_apart) = (i128::from(merged.s.to_bits()), apart(upper.s.to_bits(), lower.s.to_bits()));
     let a_apart = apart(upper.a.to_bits(), lower.a.to_bits());
     // |Δk| <= 1/20 + n/s, times 20 s: 30 and 20 fraction bits.
     let k_apart = apart(upper.k.to_bits(), lower.k.to_bits()) * 20 * s;
-    let k_limit = (s + 20 * (1 + whole) * pixel) << 30;
-    a_apart <= (1 + whole) * pixel && s_apart <= (1 + whole) * pixel && k_apart <= k_limit
+    let k_limit = (s + 20 * pixels * pixel) << 30;
+    a_apart <= pixels * pixel && s_apart <= pixels * pixel && k_apart <= k_limit
 }
 
 /// The fit of a threshold's candidate, under even light or under a step of light (`ACCEPT-1`); none if both are refused.
@@ -182,7 +204,7 @@ fn layers<'a>(candidate: &Candidate, setting: &Setting<'a>) -> [FitLayer<'a>; 2]
     [layer(upper, above), layer(lower, below)]
 }
 
-/// Decides by the fit (`ACCEPT-3` to `ACCEPT-9`, `ACCEPT-12`, `ACCEPT-13`).
+/// Decides by the fit (`ACCEPT-3` to `ACCEPT-9`, `ACCEPT-12` to `ACCEPT-17`).
 #[inline(never)] // what it keeps on the stack is not there during the fits
 fn accept_fitted(
     candidate: &Candidate,
@@ -194,7 +216,7 @@ fn accept_fitted(
     if !is_visible(&fitted.homography, camera) {
         return Err(CandidateRefusal::Oblique);
     }
-    if !has_contrast(&fitted.lights) {
+    if !has_contrast(&fitted.lights) || !black_is_possible(&fitted.lights) {
         return Err(CandidateRefusal::Contrast);
     }
     if fitted.blur > limits.blur {
@@ -202,6 +224,12 @@ fn accept_fitted(
     }
     if !limits.explain(fitted) || !limited_pixels_fit(candidate, &limits, fitted, setting) {
         return Err(CandidateRefusal::Misfit);
+    }
+    if !limits.take_for_noise(&correlations(candidate, fitted, setting), fitted) {
+        return Err(CandidateRefusal::Correlated);
+    }
+    if !has_quiet_zones(candidate, fitted, setting) {
+        return Err(CandidateRefusal::QuietZone);
     }
     let margin = margin(candidate, fitted, setting);
     if !limits.decide(margin, fitted) {
@@ -251,18 +279,34 @@ fn has_contrast(lights: &[LayerLight]) -> bool {
         .is_some_and(|[upper, lower]| upper.max(lower) <= LEAST_CONTRAST && upper >= 2 * lower && lower >= 2 * upper)
 }
 
+/// `2 ḡ` in 2^-8 grey levels, within ±2^18.
+fn twice_gain(lights: &[LayerLight]) -> i32 {
+    gains(lights).map_or(0, |[upper, lower]| upper + lower)
+}
+
 /// `(2 ḡ)²` in 2^-16 squared grey levels, below 2^37.
 fn twice_gain_squared(fitted: &Fitted) -> u64 {
-    let sum: i64 = gains(&fitted.lights).map_or(0, |gains| gains.map(i64::from).iter().sum());
-    sum.unsigned_abs().pow(2)
+    u64::from(twice_gain(&fitted.lights).unsigned_abs()).pow(2)
+}
+
+/// Whether both layers' black is one that a camera can see (`ACCEPT-14`), `16 (o + g) >= 2 ḡ` unless there is a step of
+/// light, exactly.
+///
+/// `o + g` is within ±2^18.
+fn black_is_possible(lights: &[LayerLight]) -> bool {
+    lights.iter().all(|light| light.step.is_some() || 16 * (light.offset + light.gain) >= twice_gain(lights))
+}
+
+/// The edges of a fit.
+fn edges(fitted: &Fitted, setting: &Setting<'_>) -> Edges {
+    Edges::new(setting.landmark.format, &fitted.homography, Blur::new(fitted.blur), setting.camera)
 }
 
 /// Whether the pixels that the camera limited are about as dark or as bright by the model (`ACCEPT-13`).
 ///
 /// The errors of a model are those of [`crate::light::Seen::change`] and of the ink.
 fn limited_pixels_fit(candidate: &Candidate, limits: &Limits, fitted: &Fitted, setting: &Setting<'_>) -> bool {
-    let format = setting.landmark.format;
-    let edges = Edges::new(format, &fitted.homography, Blur::new(fitted.blur), setting.camera);
+    let (format, edges) = (setting.landmark.format, edges(fitted, setting));
     layers(candidate, setting).iter().zip(&fitted.lights).all(|(layer, light)| {
         let lit = LitLayer::new(layer, format, light);
         (lit.first_pixel()..=lit.last_pixel()).all(|pixel| {
@@ -274,11 +318,28 @@ fn limited_pixels_fit(candidate: &Candidate, limits: &Limits, fitted: &Fitted, s
     })
 }
 
+/// What a candidate leaves unexplained (`ACCEPT-15`); see [`whiteness::correlations`].
+fn correlations(candidate: &Candidate, fitted: &Fitted, setting: &Setting<'_>) -> Correlations {
+    whiteness::correlations(
+        setting.landmark.format,
+        &edges(fitted, setting),
+        &layers(candidate, setting),
+        &fitted.lights,
+    )
+}
+
+/// Whether there is a quiet zone on either side of both layers (`ACCEPT-16`); see [`quiet_zone::is_clear`].
+fn has_quiet_zones(candidate: &Candidate, fitted: &Fitted, setting: &Setting<'_>) -> bool {
+    let (format, edges) = (setting.landmark.format, edges(fitted, setting));
+    let contrast = twice_gain(&fitted.lights).unsigned_abs();
+    let layers = layers(candidate, setting);
+    layers.iter().zip(&fitted.lights).all(|(layer, light)| quiet_zone::is_clear(format, &edges, layer, light, contrast))
+}
+
 /// The decision margin of a candidate (`ACCEPT-8`), the least of both layers'; see [`margin::least_change`].
 #[must_use]
 pub fn margin(candidate: &Candidate, fitted: &Fitted, setting: &Setting<'_>) -> Squares {
-    let format = setting.landmark.format;
-    let edges = Edges::new(format, &fitted.homography, Blur::new(fitted.blur), setting.camera);
+    let (format, edges) = (setting.landmark.format, edges(fitted, setting));
     let layers = layers(candidate, setting);
     let read = layers.iter().zip(&fitted.lights).zip(candidate.readings);
     read.map(|((layer, light), reading)| {

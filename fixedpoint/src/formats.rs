@@ -89,7 +89,7 @@ pub struct FormatRow {
 
 /// Every quantity and its number format, in the order in which a scan line meets them.
 #[rustfmt::skip] // one row to a line
-pub const FORMATS: [FormatRow; 47] = [
+pub const FORMATS: [FormatRow; 48] = [
     row("pixel", "grey level", "one value of a scan line", 8, 0, "0", "255", "1"),
     row("pixel index", "px", "first pixel of a region, ends of an ROI", 16, 0, "0", "639", "1"),
     row("Threshold::twice", "grey level", "twice a threshold, T2 or T2(i)", 16, 0, "0", "510", "1"),
@@ -132,6 +132,7 @@ pub const FORMATS: [FormatRow; 47] = [
     row("Viterbi sum", "squared grey level", "squares on the way to a state", 32, 4, "0", "2^28 - 2^-4", "2^-4"),
     row("change", "grey level", "change of a pixel's model, and its residual", 32, 6, "-2^9 + 2^-6", "2^9 - 2^-6", "2^-6"),
     row("Squares", "squared grey level", "a decision margin", 32, 8, "-2^23", "2^23 - 2^-8", "2^-8"),
+    row("Correlations", "squared grey level", "sums of products of two residuals", 64, 16, "-2^31.9", "2^31.9", "2^-16"),
     row("Covariance", "px², px, 1", "covariance of a, s and k", 64, 50, "-2^12", "2^12", "2^-50"),
     row("Node", "m", "x and y of a pose at a node", 64, 36, "-2^27", "2^27", "2^-36"),
     row("Derivatives", "m/px, 1/px", "of x, y and θ by a and s", 64, 40, "-2^23", "2^23", "2^-40"),

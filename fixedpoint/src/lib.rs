@@ -89,6 +89,7 @@ pub mod merge;
 pub mod observer;
 pub mod pose;
 pub mod projection;
+pub mod quiet_zone;
 pub mod ratio;
 pub mod reciprocal;
 pub mod refusal;
@@ -97,6 +98,7 @@ pub mod sampling;
 pub mod sweep;
 pub mod threshold;
 pub mod trellis;
+pub mod whiteness;
 
 #[cfg(test)]
 mod drawing;

@@ -106,10 +106,25 @@ impl<'a> LitLayer<'a> {
     /// Rounding errors of the excess and of the gain, in grey levels: 2^-12 times the change along the window, and 2^-9.
     #[must_use]
     pub fn at(&self, pixel: u16) -> Option<Seen> {
-        if !(self.first_pixel..=self.last_pixel).contains(&pixel) || self.light.step == Some(pixel) {
+        if !(self.first_pixel..=self.last_pixel).contains(&pixel) || self.is_step(pixel) {
             return None;
         }
+        self.anywhere(pixel)
+    }
+
+    /// What is expected of any pixel of the line, `λ` beyond the window being that of its nearest end (`ACCEPT-17`); `None`
+    /// outside of the line. Of the pixel of a step of light it means nothing.
+    ///
+    /// The errors are those of [`Self::at`].
+    #[must_use]
+    pub fn anywhere(&self, pixel: u16) -> Option<Seen> {
         self.line.get(usize::from(pixel)).map(|&value| self.seen(pixel, value))
+    }
+
+    /// Whether it is the pixel of the layer's step of light (`FIT-4`).
+    #[must_use]
+    pub fn is_step(&self, pixel: u16) -> bool {
+        self.light.step == Some(pixel)
     }
 
     fn seen(&self, pixel: u16, value: u8) -> Seen {
@@ -125,9 +140,11 @@ impl<'a> LitLayer<'a> {
         }
     }
 
-    /// `λ` of a pixel in 2^-12 (`FIT-3`, `FIT-4`), off by at most 2^-13 from rounding and 640 times 2^-24.
+    /// `λ` of a pixel in 2^-12 (`FIT-3`, `FIT-4`), off by at most 2^-13 from rounding and 640 times 2^-24; beyond the window
+    /// that of its nearest end (`ACCEPT-17`).
     fn lambda(&self, pixel: u16) -> i32 {
-        let (first, last, place) = (i32::from(self.first_pixel), i32::from(self.last_pixel), i32::from(pixel));
+        let (first, last) = (i32::from(self.first_pixel), i32::from(self.last_pixel));
+        let place = i32::from(pixel).min(last).max(first);
         match self.light.step {
             Some(step) if pixel < step => -(1 << 12),
             Some(_) => 1 << 12,
@@ -181,6 +198,21 @@ mod tests {
         assert_eq!((ends.at(8), ends.at(31)), (seen(18, -46), seen(2, -54)));
         let step = layer(&line, LayerLight { step: Some(20), ..light });
         assert_eq!((step.at(19), step.at(21)), (seen(18, -46), seen(2, -54)));
+    }
+
+    /// `ACCEPT-17`: `λ` beyond the window is that of its nearest end.
+    #[test]
+    fn light_goes_on_beyond_the_window_as_at_its_ends() {
+        let line = [100_u8; 40];
+        let light =
+            LayerLight { offset: 90 << 8, gain: -50 << 8, offset_slope: 8 << 8, gain_slope: -4 << 8, step: None };
+        for step in [None, Some(20)] {
+            let layer = layer(&line, LayerLight { step, ..light });
+            assert!((0..=8).all(|pixel| layer.anywhere(pixel) == layer.at(8)));
+            assert!((31..40).all(|pixel| layer.anywhere(pixel) == layer.at(31)));
+            assert!((9..31).all(|pixel| layer.is_step(pixel) || layer.anywhere(pixel) == layer.at(pixel)));
+            assert_eq!((layer.anywhere(40), (0..50).find(|&pixel| layer.is_step(pixel))), (None, step));
+        }
     }
 
     #[test]

@@ -142,7 +142,7 @@ impl<'a, O: Observer> Merger<'a, O> {
                 let homographies = [upper.homography, lower.homography];
                 let local = [upper, lower].iter().any(|layer| layer.thresholding == Thresholding::Local);
                 match self.candidate(Decoder::Threshold, readings) {
-                    Ok(candidate) => self.decide(&candidate, Evidence::Threshold(homographies)),
+                    Ok(candidate) => self.decide(&candidate, Evidence::Threshold { layers: homographies, local }),
                     Err(PairRefusal::Crc) if local => self.try_again(readings, &homographies),
                     Err(_) => {}
                 }

@@ -111,12 +111,16 @@ pub enum CandidateRefusal {
     Disagree,
     /// `ACCEPT-3`.
     Oblique,
-    /// `ACCEPT-4`.
+    /// `ACCEPT-4` and `ACCEPT-14`.
     Contrast,
     /// `ACCEPT-5`.
     Blur,
     /// `ACCEPT-6` and `ACCEPT-13`.
     Misfit,
+    /// `ACCEPT-15`.
+    Correlated,
+    /// `ACCEPT-16`.
+    QuietZone,
     /// `ACCEPT-7`.
     Margin,
     /// `ACCEPT-12`.
@@ -130,9 +134,11 @@ sentences!(CandidateRefusal {
     NoFit: "its extents cannot be fitted",
     Disagree: "its layers' homographies are not of one barcode",
     Oblique: "it would be seen at more than 72 degrees",
-    Contrast: "one of its layers has too little contrast, or half that of the other",
+    Contrast: "one of its layers has too little contrast, half that of the other, or a black below zero",
     Blur: "its blur is above 1 px, or above 0.9 px by the trellis",
     Misfit: "its pixels are not those of the barcode it was read as",
+    Correlated: "what it leaves unexplained is no noise",
+    QuietZone: "the pixels beside it are no quiet zone",
     Margin: "another code word explains its pixels nearly as well",
     Undetermined: "its fit leaves the camera's heading open",
     TooMany: "the scan lines have given 8 detections before it",

@@ -10,8 +10,11 @@ use crate::landmark::{Format, GUARD_PAIRS, Landmark, stripes};
 use crate::merge::Decoder;
 use crate::observer::Observer;
 use crate::pose::pose;
+use crate::quiet_zone::obstruction;
 use crate::refusal::CandidateRefusal;
+use crate::threshold::Thresholding;
 use crate::trellis::weights;
+use crate::whiteness::correlations;
 use nalgebra::Matrix3;
 
 /// Largest `f |k|/s`, the tangent of the inclination (ACCEPT-3).
@@ -25,6 +28,12 @@ pub const MAX_GAIN_RATIO: f64 = 2.0;
 
 /// Standard deviation of a pixel about its model that is always allowed, grey levels (ACCEPT-6).
 pub const ALLOWED_NOISE: f64 = 3.0;
+
+/// How far below 0 the grey level of black may be, by the contrast (ACCEPT-14).
+pub const BELOW_BLACK: f64 = 1.0 / 8.0;
+
+/// Largest mean product of residuals one or two pixels apart, by what ACCEPT-6 allows for their squares (ACCEPT-15).
+pub const MAX_CORRELATION: f64 = 1.0 / 6.0;
 
 /// What is asked of a fit, by the decoder that led to it: TRELLIS finds a word in anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +52,7 @@ impl Limits {
     pub fn of(decoder: Decoder) -> Self {
         match decoder {
             Decoder::Threshold => Self { blur: 1.0, share: 1.0 / 16.0, margin: 1.0 / 8.0 },
-            Decoder::Trellis => Self { blur: 0.9, share: 1.0 / 32.0, margin: 1.0 / 5.0 },
+            Decoder::Trellis => Self { blur: 0.9, share: 1.0 / 32.0, margin: 1.0 / 4.0 },
         }
     }
 
@@ -130,7 +139,7 @@ pub fn accept<O: Observer>(
 ) -> Result<Accepted, CandidateRefusal> {
     let [upper, lower] = layers.map(|layer| layer.homography);
     let merged = upper.mean(&lower);
-    first_failure(&agreement(&upper, &lower, &merged, view.rule), observer)?;
+    first_failure(&agreement(&upper, &lower, &merged, pixels_apart(layers, view.rule)), observer)?;
     let colours = layers.map(|layer| stripes(view.landmark.format, layer.half_word));
     let fitted_layers = [0, 1].map(|i| FitLayer {
         line: view.lines[i],
@@ -144,10 +153,15 @@ pub fn accept<O: Observer>(
     }
 }
 
+/// How far two layers may be apart (ACCEPT-2), pixels.
+fn pixels_apart(layers: [&DecodedLayer; 2], rule: CrossingRule) -> f64 {
+    let whole = rule == CrossingRule::WholePixel;
+    let local = layers.iter().any(|layer| layer.thresholding == Thresholding::Local);
+    [whole, local].iter().fold(1.0, |pixels, &more| if more { pixels + 1.0 } else { pixels })
+}
+
 /// ACCEPT-2
-fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, rule: CrossingRule) -> [Test; 3] {
-    let slack = if rule == CrossingRule::WholePixel { 1.0 } else { 0.0 };
-    let pixels = 1.0 + slack;
+fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, pixels: f64) -> [Test; 3] {
     let test = |value: f64, limit| Test { refusal: CandidateRefusal::Disagree, value: value.abs(), limit };
     [
         test(upper.a - lower.a, pixels),
@@ -188,6 +202,14 @@ fn contrast(fitted: &Fitted) -> [Test; 2] {
     [test(MIN_CONTRAST, least), test(most, MAX_GAIN_RATIO * least)]
 }
 
+/// ACCEPT-14: black is `o + g`.
+fn blackness(fitted: &Fitted) -> Vec<Test> {
+    let below = -BELOW_BLACK * mean_gain(&fitted.lights);
+    let even = fitted.lights.iter().filter(|light| light.step.is_none());
+    let test = |value, limit| Test { refusal: CandidateRefusal::Contrast, value, limit };
+    even.map(|light| test(-light.gain, light.offset + below)).collect()
+}
+
 /// By how much the model of a limited pixel is within 0 to 255 at the most, grey levels (ACCEPT-13).
 fn limited_excess(layers: &[FitLayer<'_>; 2], fitted: &Fitted, view: &View<'_>) -> f64 {
     let format = view.landmark.format;
@@ -195,7 +217,7 @@ fn limited_excess(layers: &[FitLayer<'_>; 2], fitted: &Fitted, view: &View<'_>) 
         let window = Window::of(layer.first_pixel, layer.last_pixel, format, layer.line.len());
         let inks = inks(&fitted.imaging, view.camera, format, layer.stripes, (window.first, window.last));
         (window.first..).zip(inks).filter(|&(pixel, _)| light.step != Some(pixel)).map(move |(pixel, ink)| {
-            let model = light.white_at(&window, pixel) + light.gain_at(&window, pixel) * ink.ink;
+            let model = light.model_at(&window, pixel, ink.ink);
             match layer.line[pixel] {
                 255 => 255.0 - model,
                 0 => model,
@@ -206,7 +228,7 @@ fn limited_excess(layers: &[FitLayer<'_>; 2], fitted: &Fitted, view: &View<'_>) 
     excesses.fold(0.0, f64::max)
 }
 
-/// Decides on a fit (ACCEPT-3 to ACCEPT-9, ACCEPT-12).
+/// Decides on a fit (ACCEPT-3 to ACCEPT-9, ACCEPT-12 to ACCEPT-17).
 pub fn accept_fit<O: Observer>(
     layers: &[FitLayer<'_>; 2],
     fitted: Fitted,
@@ -215,22 +237,26 @@ pub fn accept_fit<O: Observer>(
     observer: &mut O,
 ) -> Result<Accepted, CandidateRefusal> {
     let limits = Limits::of(decoder);
-    let margin = margin(layers, &fitted, view.camera, view.landmark.format);
+    let format = view.landmark.format;
+    let margin = margin(layers, &fitted, view.camera, format);
+    let correlation = correlations(layers, &fitted, view.camera, format).largest();
+    let obstruction = obstruction(layers, &fitted, view.camera, format);
     let homography = fitted.imaging.homography;
     let gain = mean_gain(&fitted.lights);
     let variance = limits.variance(&fitted);
     let test = |refusal, value, limit| Test { refusal, value, limit };
-    let [contrast, balance] = contrast(&fitted);
-    let tests = [
-        visibility(&homography, view.camera),
-        contrast,
-        balance,
+    let mut tests = vec![visibility(&homography, view.camera)];
+    tests.extend(contrast(&fitted));
+    tests.extend(blackness(&fitted));
+    tests.extend([
         test(CandidateRefusal::Blur, fitted.imaging.blur, limits.blur),
         test(CandidateRefusal::Misfit, fitted.variance, variance),
         test(CandidateRefusal::Misfit, limited_excess(layers, &fitted, view), 2.0 * variance.sqrt()),
+        test(CandidateRefusal::Correlated, correlation, MAX_CORRELATION * variance),
+        test(CandidateRefusal::QuietZone, obstruction, gain.abs() / 2.0),
         test(CandidateRefusal::Margin, limits.margin * gain * gain, margin),
         determination(&homography, &fitted.covariance, view.camera),
-    ];
+    ]);
     first_failure(&tests, observer)?;
     let pose = transform(&homography, &fitted.covariance, view.camera, view.landmark);
     Ok(Accepted { homography, fit: Some(AcceptedFit { fitted, margin }), pose })
@@ -291,19 +317,25 @@ fn alternating(stripes: &[bool], format: Format) -> Vec<core::ops::Range<usize>>
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::codeword;
     use crate::detect::detect;
     use crate::frame::Pose;
+    use crate::hypotheses::Hypothesis;
     use crate::merge::Detection;
     use crate::observer::Silent;
     use crate::render::{Light, Posted, Scene, Sensor, render};
-    use core::f64::consts::PI;
+    use core::f64::consts::{FRAC_1_SQRT_2, PI};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
     const PAYLOAD: u32 = 0xcc0d;
+
+    #[expect(clippy::cast_possible_truncation, reason = "a few grey levels")]
+    fn rounded(levels: f64) -> i8 {
+        levels.round() as i8
+    }
 
     fn lines(pose: (f64, f64, f64)) -> [Vec<u8>; 2] {
         let landmark = Landmark::new(Format::Paper);
@@ -320,26 +352,45 @@ mod tests {
         detect(&lines[0], &lines[1], &Camera::epuck(), &landmarks, rule, &mut Silent).remove(0)
     }
 
+    /// A landmark that was found, and its fit.
+    pub(crate) struct Found {
+        pub(crate) lines: [Vec<u8>; 2],
+        pub(crate) colours: [Vec<bool>; 2],
+        pub(crate) pixels: [(usize, usize); 2],
+        pub(crate) fitted: Fitted,
+    }
+
+    impl Found {
+        /// A landmark at 30 cm, stripes of 3.2 px.
+        pub(crate) fn at_30_cm() -> Self {
+            let lines = lines((0.3, 0.0, PI));
+            let detection = found(&lines);
+            let colours = codeword::layers(Format::Paper, PAYLOAD).unwrap();
+            let pixels = [detection.upper, detection.lower].map(|layer| (layer.first_pixel, layer.last_pixel));
+            Self { lines, colours, pixels, fitted: detection.fit.unwrap().fitted }
+        }
+
+        pub(crate) fn layers(&self) -> [FitLayer<'_>; 2] {
+            [0, 1].map(|i| FitLayer {
+                line: &self.lines[i],
+                first_pixel: self.pixels[i].0,
+                last_pixel: self.pixels[i].1,
+                stripes: &self.colours[i],
+            })
+        }
+    }
+
     /// A landmark at 30 cm, and what `change` makes of its lines, stripes and fit.
     fn judged(
         decoder: Decoder,
         change: impl FnOnce(&mut [Vec<u8>; 2], &mut [Vec<bool>; 2], &mut Fitted),
     ) -> Result<(), CandidateRefusal> {
-        let mut lines = lines((0.3, 0.0, PI));
-        let detection = found(&lines);
-        let mut colours = codeword::layers(Format::Paper, PAYLOAD).unwrap();
-        let mut fitted = detection.fit.unwrap().fitted;
-        change(&mut lines, &mut colours, &mut fitted);
-        let readings = [detection.upper, detection.lower];
-        let layers = [0, 1].map(|i| FitLayer {
-            line: &lines[i],
-            first_pixel: readings[i].first_pixel,
-            last_pixel: readings[i].last_pixel,
-            stripes: &colours[i],
-        });
+        let mut seen = Found::at_30_cm();
+        change(&mut seen.lines, &mut seen.colours, &mut seen.fitted);
         let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
-        let view = View { lines: [&lines[0], &lines[1]], camera, landmark, rule: CrossingRule::Interpolated };
-        accept_fit(&layers, fitted, decoder, &view, &mut Silent).map(|_| ())
+        let lines = [&seen.lines[0][..], &seen.lines[1][..]];
+        let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated };
+        accept_fit(&seen.layers(), seen.fitted.clone(), decoder, &view, &mut Silent).map(|_| ())
     }
 
     #[test]
@@ -372,12 +423,56 @@ mod tests {
         let noisy = |decoder, variance| judged(decoder, |_, _, fitted| fitted.variance = variance);
         assert_eq!((noisy(Threshold, 100.0), noisy(Threshold, 115.0)), (Ok(()), Err(Why::Misfit)));
         assert_eq!((noisy(Trellis, 32.0), noisy(Trellis, 36.0)), (Ok(()), Err(Why::Misfit)));
-        let turned = judged(Threshold, |_, colours, _| colours[1][9] ^= true);
-        assert_eq!(turned, Err(Why::Margin));
+        // White is about 200 and black 40: a gain of -229 makes black 29 darker than nothing, one of -228 28, an eighth of it.
+        let black = |gain: f64| {
+            judged(Threshold, |_, _, fitted| {
+                for light in &mut fitted.lights {
+                    (light.offset, light.gain) = (200.0, gain);
+                }
+            })
+        };
+        assert_eq!(black(-229.0), Err(Why::Contrast));
+        assert_ne!(black(-228.0), Err(Why::Contrast));
+        // A wave of 10 grey levels and a period of 8 px is 50 squared ones, and 35 from pixel to pixel.
+        let wave = |height: f64| {
+            judged(Threshold, |lines, _, _| {
+                for (i, value) in lines.iter_mut().flat_map(|line| line.iter_mut().enumerate()) {
+                    let turn = [0.0, FRAC_1_SQRT_2, 1.0, FRAC_1_SQRT_2][i % 4] * height;
+                    let wave = if i % 8 < 4 { turn } else { -turn };
+                    *value = value.saturating_add_signed(rounded(wave));
+                }
+            })
+        };
+        assert_eq!((wave(2.0), wave(10.0)), (Ok(()), Err(Why::Correlated)));
+        let barred = judged(Threshold, |lines, _, _| lines[1][276..279].fill(40));
+        assert_eq!(barred, Err(Why::QuietZone));
         // s is 32 px: a heading known to a quarter of a radian has a k known to 1/80.
         let uncertain =
             |deviation: f64| judged(Threshold, |_, _, fitted| fitted.covariance[(2, 2)] = deviation * deviation);
         assert_eq!((uncertain(0.0120), uncertain(0.0130)), (Ok(()), Err(Why::Undetermined)));
+    }
+
+    /// Stripes that alternate, `w` = 1.02 px wide, keep `exp(-π² σ²/(2 w²))` of their contrast under a blur of 0.8 px: 1/20.
+    #[test]
+    fn stripes_that_blur_hides_have_no_margin() {
+        let landmark = Landmark { stripe_height: 0.2, ..Landmark::new(Format::Paper) };
+        let posted = Posted { landmark_in_world: Pose::new(0.0, 0.0, 0.0), landmark, payload: PAYLOAD };
+        let sensor = Sensor { blur: 0.8, noise: 1.0 };
+        let camera_in_world = Pose::new(0.94, 0.0, PI);
+        let scene =
+            Scene { camera_in_world, landmarks: vec![posted], clutter: vec![], light: Light::default(), sensor };
+        let camera = Camera::epuck();
+        let lines = render(&camera, &scene, &mut ChaCha8Rng::seed_from_u64(3)).unwrap();
+        let colours = codeword::layers(Format::Paper, PAYLOAD).unwrap();
+        let layers =
+            [0, 1].map(|i| FitLayer { line: &lines[i], first_pixel: 229, last_pixel: 250, stripes: &colours[i] });
+        let homography = Homography { a: 0.0, s: 640.0 * landmark.half_width() / 0.94, k: 0.0 };
+        let start = Imaging { homography, blur: 0.8 };
+        let fitted = fit(&layers, &start, Illumination::Even, &camera, Format::Paper).unwrap();
+        let rule = CrossingRule::Interpolated;
+        let view = View { lines: [&lines[0], &lines[1]], camera: &camera, landmark: &landmark, rule };
+        let judged = accept_fit(&layers, fitted, Decoder::Trellis, &view, &mut Silent).map(|_| ());
+        assert_eq!(judged, Err(CandidateRefusal::Margin));
     }
 
     #[test]
@@ -400,15 +495,29 @@ mod tests {
     #[test]
     fn layers_that_are_not_seen_from_one_place_disagree() {
         let h = Homography { a: 10.0, s: 30.0, k: 0.1 };
-        let agree = |da: f64, ds: f64, dk: f64, rule| {
+        let agree = |da: f64, ds: f64, dk: f64, pixels: f64| {
             let other = Homography { a: h.a + da, s: h.s + ds, k: h.k + dk };
-            first_failure(&agreement(&h, &other, &h, rule), &mut Silent).is_ok()
+            first_failure(&agreement(&h, &other, &h, pixels), &mut Silent).is_ok()
         };
-        let (fine, paper) = (CrossingRule::Interpolated, CrossingRule::WholePixel);
+        let (fine, paper) = (1.0, 2.0);
         assert!(agree(0.99, -0.99, 0.08, fine) && !agree(1.01, 0.0, 0.0, fine) && !agree(0.0, 1.01, 0.0, fine));
         // 1/20 + 1/30 and 1/20 + 2/30.
         assert!(!agree(0.0, 0.0, 0.084, fine) && agree(0.0, 0.0, 0.084, paper) && !agree(0.0, 0.0, 0.117, paper));
         assert!(agree(1.99, 1.99, 0.0, paper) && !agree(2.01, 0.0, 0.0, paper));
+    }
+
+    #[test]
+    fn the_rule_and_the_local_threshold_add_a_pixel_each() {
+        let homography = Homography { a: 10.0, s: 30.0, k: 0.1 };
+        let hypothesis = Hypothesis { first_region: 1, last_region: 9, first_pixel: 10, last_pixel: 70 };
+        let layer = |thresholding| DecodedLayer { thresholding, hypothesis, half_word: 0, homography };
+        let (global, local) = (layer(Thresholding::Global), layer(Thresholding::Local));
+        let apart = |layers, rule| pixels_apart(layers, rule).to_bits();
+        let (fine, paper) = (CrossingRule::Interpolated, CrossingRule::WholePixel);
+        assert_eq!(apart([&global, &global], fine), 1.0_f64.to_bits());
+        assert_eq!(apart([&global, &local], fine), 2.0_f64.to_bits());
+        assert_eq!(apart([&global, &global], paper), 2.0_f64.to_bits());
+        assert_eq!(apart([&local, &global], paper), 3.0_f64.to_bits());
     }
 
     /// The margin counts the changes of one stripe: of a frontal landmark with stripes of 3.2 px a stripe's ink is about

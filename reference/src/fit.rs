@@ -98,6 +98,12 @@ impl LayerLight {
         self.gain + window.lambda(pixel, self) * self.gain_slope
     }
 
+    /// The model of a pixel of the window with some ink, grey levels (FIT-2).
+    #[must_use]
+    pub fn model_at(&self, window: &Window, pixel: usize, ink: f64) -> f64 {
+        self.white_at(window, pixel) + self.gain_at(window, pixel) * ink
+    }
+
     /// FIT-13
     fn is_possible(&self) -> bool {
         let most = |level: f64, slope: f64| level.abs() + slope.abs();

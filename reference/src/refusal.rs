@@ -71,12 +71,16 @@ pub enum CandidateRefusal {
     Disagree,
     /// ACCEPT-3
     Oblique,
-    /// ACCEPT-4
+    /// ACCEPT-4, ACCEPT-14
     Contrast,
     /// ACCEPT-5
     Blur,
     /// ACCEPT-6
     Misfit,
+    /// ACCEPT-15
+    Correlated,
+    /// ACCEPT-16
+    QuietZone,
     /// ACCEPT-7
     Margin,
     /// ACCEPT-12
@@ -141,6 +145,8 @@ impl fmt::Display for CandidateRefusal {
             Self::Contrast => "its layers have no contrast, or not the same",
             Self::Blur => "it is more blurred than a barcode can be read",
             Self::Misfit => "a barcode does not explain its pixels",
+            Self::Correlated => "what a barcode leaves of its pixels is no noise",
+            Self::QuietZone => "it has no quiet zone within the line",
             Self::Margin => "another code word explains its pixels almost as well",
             Self::Undetermined => "the heading from which it is seen is undetermined",
             Self::TooMany => "the image has more than 8 detections",

@@ -55,10 +55,25 @@ pub fn decode_from<O: Observer>(
     view: &View<'_>,
     observer: &mut O,
 ) -> Result<Settled, CandidateRefusal> {
+    let guards = guard_fit(pair, start, view)?;
+    decode_after(pair, &guards.imaging, &guards.lights, view, observer)
+}
+
+/// The guard fit of a pair of extents from a homography (TRELLIS-1 to TRELLIS-3, TRELLIS-10).
+pub fn guard_fit(pair: &Pair, start: &Homography, view: &View<'_>) -> Result<Fitted, CandidateRefusal> {
+    Trial::new(pair, view, Illumination::Even).guard_fit(start)
+}
+
+/// Decodes a pair of extents of which the guards are known (TRELLIS-5 to TRELLIS-7).
+pub fn decode_after<O: Observer>(
+    pair: &Pair,
+    imaging: &Imaging,
+    lights: &[LayerLight],
+    view: &View<'_>,
+    observer: &mut O,
+) -> Result<Settled, CandidateRefusal> {
     let trial = Trial::new(pair, view, Illumination::Even);
-    let guards = trial.guard_fit(start)?;
-    let half_words = trial.half_words(&guards.imaging, &guards.lights);
-    trial.settle(half_words, &guards.imaging, observer)
+    trial.settle(trial.half_words(imaging, lights), imaging, observer)
 }
 
 /// Decodes a pair of ROIs again whose half words, read by a threshold in a shadow, make no code word (TRELLIS-9).

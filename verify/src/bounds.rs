@@ -200,6 +200,10 @@ pub struct FitBounds {
     pub further_step: f64,
     /// On the decision margin, relative.
     pub margin: f64,
+    /// On the columns of the barcode's ends, pixels.
+    pub ends: f64,
+    /// On the mean product of two residuals (ACCEPT-15), squared grey levels.
+    pub correlation: f64,
 }
 
 /// What the rounding of a fit depends on.
@@ -283,6 +287,16 @@ impl Rounding {
         2.0 * DEVIATIONS * self.residual / (self.noise * self.pixels.sqrt()) + own + last / self.pixels
     }
 
+    /// On the mean product of two residuals. With twelve parameters `share` of a standard deviation off, and beside a step of
+    /// light the last step of a layer's own, the residuals `r` move by `d` with `|d|²` of so many squared shares of `s²`, and
+    /// their roundings `ε`; `Σ r r'` changes by `2 |r| |d| + |d|²` at the most, and by `2 r ε` like noise.
+    fn correlation(&self, share: f64) -> f64 {
+        let own = if self.steps { OWN_LAST_STEP * OWN_LAST_STEP } else { 0.0 };
+        let moved = (12.0 * share * share + own).sqrt() * self.noise;
+        let rounded = 2.0 * DEVIATIONS * self.noise * self.residual / self.pixels.sqrt();
+        (2.0 * self.noise * self.pixels.sqrt() * moved + moved * moved) / self.pixels + rounded
+    }
+
     /// On the covariance, relative, of a fit that is `share` of the standard deviations elsewhere. Squared derivatives go with
     /// the square of the gain, with up to the cube of the blur, and where an edge moves across the border of two pixels
     /// between 1 and 1/2 in half a pixel.
@@ -334,12 +348,16 @@ pub fn fit(cameras: &Cameras, format: Format, fit: &DetectionFit, h: &Homography
     let width = 2.0 * h.s / format.stripes() as f64;
     let by_blur = 2.0 * PI * PI * fit.blur / (width * width);
     let margin = 8.0_f64.sqrt() * DEVIATIONS * change / fit.margin.max(1.0).sqrt() + by_blur * blur;
+    let homography = HomographyTrace {
+        a: share * deviation(0) + ulp(20) + column,
+        s: share * deviation(1) + ulp(19) + h.k.abs() * column,
+        k: share * deviation(2) + ulp(30),
+    };
+    let far = (h.a.abs() + h.s) / (1.0 - h.k.abs());
     FitBounds {
-        homography: HomographyTrace {
-            a: share * deviation(0) + ulp(20) + column,
-            s: share * deviation(1) + ulp(19) + h.k.abs() * column,
-            k: share * deviation(2) + ulp(30),
-        },
+        homography,
+        ends: (homography.a + homography.s + far * homography.k) / (1.0 - h.k.abs()),
+        correlation: rounding.correlation(share),
         share,
         blur,
         // Fitted with 12 fraction bits and reported with 8. Beside a step of light a layer's own last step is longer.
@@ -405,6 +423,10 @@ pub fn is_barely_explained(fit: &FitTrace, bounds: &FitBounds) -> bool {
 /// where stripes are not explained to 30 to 50 grey levels a first step is uncertain by 10 px: 1 in 200 of it.
 pub const START: f64 = 1.0 / 20.0;
 
+/// How far a trial's guard fit is moved to see whether it decides, in its standard deviations (SAME-5): what fits may be off at
+/// the most by `tests/bounds.rs`.
+pub const GUARDS: f64 = 1.0 / 20.0;
+
 /// Bounds on the pose of a fitted detection: its displacement in standard deviations, the covariance's share of what the
 /// bend moves the mean by (COV-2), and formats of 2^-24 m and 2^-31 π; focal length and stripe width.
 #[must_use]
@@ -451,8 +473,12 @@ pub fn test(test: &Test, fit: Option<&FitBounds>) -> f64 {
     match test.refusal {
         CandidateRefusal::Blur => fit.blur / test.limit,
         CandidateRefusal::Misfit => fit.variance + fit.light / test.limit.sqrt(),
+        CandidateRefusal::Correlated => fit.correlation / test.limit + fit.variance,
+        // White and gain, and beside the barcode's end what its edge moves; the limit is half the contrast.
+        CandidateRefusal::QuietZone => 3.0 * fit.light / test.limit + 4.0 * (fit.ends + fit.blur),
         CandidateRefusal::Margin => fit.margin,
-        CandidateRefusal::Contrast => 2.0 * fit.light / test.limit.abs().min(test.value.abs()),
+        // Of a gain that is compared with twice another, or with an offset and an eighth of the mean gain.
+        CandidateRefusal::Contrast => 3.0 * fit.light / test.limit.abs().min(test.value.abs()),
         CandidateRefusal::Undetermined => fit.covariance,
         // The obliquity is as uncertain as a quarter of its limit at the most (COV-4).
         CandidateRefusal::Oblique => fit.share,

@@ -16,6 +16,7 @@ use reference::accept::View;
 use reference::crossing::CrossingRule;
 use reference::decode::DecodedLayer;
 use reference::extents::{Extent, Pair};
+use reference::fit::Imaging;
 use reference::frame::wrap;
 use reference::homography::Homography;
 use reference::hypotheses::Hypothesis;
@@ -404,6 +405,26 @@ fn depends_on_start(setting: &Setting, trace: &Trace, trial: &TrialTrace, other:
     let ways = (0..27).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]);
     let mut moves = ways.map(|ways| ways.map(|way| f64::from(way) * bounds::START));
     moves.any(|moves| decided(moves) == other)
+        || trial.decoder == Decoder::Trellis && depends_on_guards(&pair, &view, other)
+}
+
+/// Whether the reference decides on a pair of extents as the port did when its guard fit is a little off (SAME-5): by a share of
+/// its standard deviations, as fits are.
+fn depends_on_guards(pair: &Pair, view: &View<'_>, other: Option<(Decoder, u32)>) -> bool {
+    let Ok(guards) = trellis::guard_fit(pair, &trellis::guard_start(pair, view.camera), view) else { return false };
+    let deviation = |i: usize| guards.covariance[(i, i)].sqrt() * bounds::GUARDS;
+    let Imaging { homography: h, blur } = guards.imaging;
+    let ways = (0..81).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 % 3 - 1, i / 27 - 1].map(f64::from));
+    let mut moved = ways.map(|[a, s, k, b]| Imaging {
+        homography: Homography { a: h.a + a * deviation(0), s: h.s + s * deviation(1), k: h.k + k * deviation(2) },
+        blur: blur + b * guards.blur_variance.sqrt() * bounds::GUARDS,
+    });
+    moved.any(|imaging| {
+        let mut detections = Vec::new();
+        let settled = trellis::decode_after(pair, &imaging, &guards.lights, view, &mut Silent);
+        conclude_settled(pair, settled, view, &mut detections, &mut Silent);
+        detections.first().map(|found| (found.decoder, found.payload)) == other
+    })
 }
 
 /// A homography with its `a` and `s` moved, and its `k` by as many pixels at the barcode's ends.

@@ -206,6 +206,8 @@ fn candidate_refusal(refusal: fixedpoint::refusal::CandidateRefusal) -> Candidat
         Port::Contrast => CandidateRefusal::Contrast,
         Port::Blur => CandidateRefusal::Blur,
         Port::Misfit => CandidateRefusal::Misfit,
+        Port::Correlated => CandidateRefusal::Correlated,
+        Port::QuietZone => CandidateRefusal::QuietZone,
         Port::Margin => CandidateRefusal::Margin,
         Port::Undetermined => CandidateRefusal::Undetermined,
         Port::TooMany => CandidateRefusal::TooMany,
