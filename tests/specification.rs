@@ -102,7 +102,7 @@ fn every_requirement_is_cited_where_it_is_implemented() {
         ["reference/src", "fixedpoint/src", "verify/src"].map(|folder| cited(folder, &requirements));
     let stages = [
         "LINE", "THRESH", "REGION", "HYPO", "CROSS", "HOMOG", "SAMPLE", "DECODE", "MERGE", "EDGE", "FIT", "EXTENT",
-        "TRELLIS", "ACCEPT", "POSE", "COV", "CODE",
+        "TRELLIS", "ACCEPT", "POSE", "COV", "CODE", "MOTION", "OBSERVE", "FILTER",
     ];
     let mut uncited = Vec::new();
     for name in requirements.keys() {
@@ -188,6 +188,12 @@ fn both_pipelines_have_the_same_stages() {
         ("merge", "withdraw_ambiguous"),
         ("pose", "pose"),
         ("detect", "detect"),
+        ("motion", "predict"),
+        ("motion", "step_noise"),
+        ("observation", "linearised"),
+        ("observation", "robot_in_world"),
+        ("filter", "predict"),
+        ("filter", "observe"),
     ];
     for (module, function) in stages {
         for pipeline in ["reference", "fixedpoint"] {
@@ -216,7 +222,19 @@ fn both_pipelines_have_the_same_modules() {
     // Design framework, bound, forward model and the paper's regressions are no pipeline; number formats, their arithmetic
     // and the sums of a fit are what float64 and a matrix library bring along.
     assert_eq!(only_in_reference, ["area", "bound", "grid", "range", "regression", "render"]);
-    let arithmetic =
-        ["binary", "cordic", "elimination", "formats", "ink", "light", "projection", "ratio", "reciprocal", "sweep"];
+    let arithmetic = [
+        "binary",
+        "cordic",
+        "elimination",
+        "formats",
+        "ink",
+        "inverse",
+        "light",
+        "projection",
+        "ratio",
+        "reciprocal",
+        "rotation",
+        "sweep",
+    ];
     assert_eq!(only_in_port, arithmetic);
 }

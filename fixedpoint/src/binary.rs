@@ -27,6 +27,19 @@ pub fn product(one: i64, other: i64, bits: u8) -> i64 {
     i64::try_from(product).unwrap_or(if product < 0 { i64::MIN } else { i64::MAX })
 }
 
+/// The product of a 64-bit number and a 32-bit one, `2^-bits` of it, rounded to nearest, halves up; `bits` up to 32.
+///
+/// By halves of the first number, without a 128-bit product. Exact but for the rounding where the result is within ±2^62.
+#[must_use]
+pub fn times(value: i64, factor: i32, bits: u8) -> i64 {
+    let (high, low) = (value >> 32, value & 0xFFFF_FFFF);
+    let factor = i64::from(factor);
+    let bits = u32::from(bits.min(32));
+    let half = (1_i64 << bits) >> 1;
+    // `low · factor` is below 2^63 less 2^31.
+    ((high * factor) << (32 - bits)).saturating_add((low * factor).saturating_add(half) >> bits)
+}
+
 /// The position of the highest bit of a number: `2^(n - 1) <= |value| < 2^n`, 0 of 0.
 #[must_use]
 pub fn size(value: i64) -> i32 {
@@ -52,6 +65,14 @@ mod tests {
             // Of large values `value as f64` itself is rounded.
             let error = (scaled(value, exponent) as f64 - exact).abs();
             prop_assert!(error <= 0.5 + exact.abs() * 2_f64.powi(-52), "{}", scaled(value, exponent));
+        }
+
+        #[test]
+        fn products_of_halves_are_exact(value in any::<i64>(), fewer in 0_u32..63, factor in any::<i32>(), bits in 0_u8..=32) {
+            let value = value >> fewer;
+            let exact = (i128::from(value) * i128::from(factor) + ((1_i128 << bits) >> 1)) >> bits;
+            prop_assume!(exact.unsigned_abs() < 1 << 62);
+            prop_assert_eq!(i128::from(times(value, factor, bits)), exact);
         }
 
         #[test]

@@ -3,7 +3,7 @@
 //! Whatever is rounded is rounded to the nearest multiple of its resolution, halves up.
 
 use core::ops::{Add, Neg, Sub};
-use fixed::types::{I2F30, I8F24, I12F20, U0F32, U16F16};
+use fixed::types::{I0F32, I2F30, I8F24, I12F20, I16F16, U0F32, U16F16};
 
 /// Columns and half widths in px: `a` and `s` of a reported homography, the principal column.
 pub type Column = I12F20;
@@ -19,6 +19,18 @@ pub type StripeWidth = U0F32;
 
 /// A coordinate of a pose in metres.
 pub type Length = I8F24;
+
+/// The wheels' diameter and the axle in metres.
+pub type WheelLength = U0F32;
+
+/// The slip `q` in metres: m² of variance per metre of way.
+pub type Slip = U0F32;
+
+/// The shares `e` and `g` by which the wheels and the axle differ from nominal, and their standard deviations.
+pub type Share = I0F32;
+
+/// Steps of a wheel, with parts of one where an interval is divided.
+pub type Steps = I16F16;
 
 /// An angle in units of π/2^31, from -π inclusive to π exclusive, where the smallest value stands for π (`FRAME-5`).
 ///
@@ -89,7 +101,7 @@ pub struct FormatRow {
 
 /// Every quantity and its number format, in the order in which a scan line meets them.
 #[rustfmt::skip] // one row to a line
-pub const FORMATS: [FormatRow; 48] = [
+pub const FORMATS: [FormatRow; 70] = [
     row("pixel", "grey level", "one value of a scan line", 8, 0, "0", "255", "1"),
     row("pixel index", "px", "first pixel of a region, ends of an ROI", 16, 0, "0", "639", "1"),
     row("Threshold::twice", "grey level", "twice a threshold, T2 or T2(i)", 16, 0, "0", "510", "1"),
@@ -138,6 +150,28 @@ pub const FORMATS: [FormatRow; 48] = [
     row("Derivatives", "m/px, 1/px", "of x, y and θ by a and s", 64, 40, "-2^23", "2^23", "2^-40"),
     row("PoseCovariance", "m², m, 1", "covariance of x, y and θ", 64, 48, "-2^15", "2^15", "2^-48"),
     row("Angle", "π", "heading of a pose; -1 stands for π", 32, 31, "-1", "1 - 2^-31", "2^-31"),
+    row("sine", "1", "sines, cosines, chords and their derivatives", 32, 30, "-1", "1", "2^-30"),
+    row("WheelLength", "m", "wheels' diameter, axle", 32, 32, "0.005", "0.8", "2^-32"),
+    row("Drive step", "2^-exponent m", "way of a step", 32, 0, "2^30", "2^31 - 1", "1"),
+    row("Steps", "1", "steps of a wheel", 32, 16, "-2^15", "2^15 - 2^-16", "2^-16"),
+    row("Slip", "m", "variance of a way per metre", 32, 32, "0", "2^-12", "2^-32"),
+    row("Share", "1", "e and g of a state, and their deviations", 32, 32, "-1/8", "1/8", "2^-32"),
+    row("State x, y", "m", "position of a state, ways", 64, 40, "-2^23", "2^23", "2^-40"),
+    row("State heading", "π", "heading of a state", 64, 63, "-1", "1 - 2^-63", "2^-63"),
+    row("Step turn", "1", "turn of a step", 64, 40, "-2.5", "2.5", "2^-40"),
+    row("OverAxle", "2^-bits/m", "reciprocal of an axle, bits from 24 to 30", 32, 0, "2^30", "2^31 - 1", "1"),
+    row("Step derivatives", "m, 1, 1/64", "F less ones", 32, 30, "-1.2", "1.2", "2^-30"),
+    row("WheelNoise::by", "1, 1/m", "G", 32, 24, "-64", "64", "2^-24"),
+    row("WheelNoise::variance", "m²", "variance of a way", 64, 62, "0", "2^-12", "2^-62"),
+    row("StateCovariance", "m², m, 1; e and g in 1/64", "covariance of a state", 64, 56, "-2^6.5", "2^6.5", "2^-56"),
+    row("Linearised::residual", "16 px, 1/16; m, 1", "what was seen less what was expected", 64, 36, "-2^27", "2^27", "2^-36"),
+    row("Linearised::by_pose", "16 px, 1/16; m, 1", "per metre and radian", 64, 32, "-2^31", "2^31", "2^-32"),
+    row("View a, s", "px", "a landmark as it should be seen", 64, 32, "-2^31", "2^31", "2^-32"),
+    row("View k", "1", "likewise, and W cos θ/d", 64, 40, "-2^6", "2^6", "2^-40"),
+    row("Root", "m, 1; e and g in 1/64", "square root of a covariance", 64, 48, "-4", "4", "2^-48"),
+    row("Normal sighting", "1", "a sighting in its standard deviations, per m and 1", 64, 28, "-2^35", "2^35", "2^-28"),
+    row("Correction::moved", "m, 1; e and g in 1/64", "what an observation changes", 64, 40, "-2^23", "2^23", "2^-40"),
+    row("Correction::nis", "1", "NIS of an observation", 64, 20, "0", "2^43", "2^-20"),
 ];
 
 #[expect(clippy::too_many_arguments, reason = "one argument for each column of the table")]
@@ -198,6 +232,10 @@ mod tests {
             ("Length", Length::INT_NBITS + Length::FRAC_NBITS, Length::FRAC_NBITS),
             ("Blur", Column::INT_NBITS + Column::FRAC_NBITS, Column::FRAC_NBITS),
             ("Angle", i32::BITS, 31),
+            ("WheelLength", WheelLength::INT_NBITS + WheelLength::FRAC_NBITS, WheelLength::FRAC_NBITS),
+            ("Slip", Slip::INT_NBITS + Slip::FRAC_NBITS, Slip::FRAC_NBITS),
+            ("Share", Share::INT_NBITS + Share::FRAC_NBITS, Share::FRAC_NBITS),
+            ("Steps", Steps::INT_NBITS + Steps::FRAC_NBITS, Steps::FRAC_NBITS),
         ];
         for (name, bits, fraction_bits) in described {
             let row = FORMATS.iter().find(|row| row.name == name).unwrap();

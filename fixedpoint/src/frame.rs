@@ -15,6 +15,10 @@ pub struct Landmark;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Camera;
 
+/// The robot's frame: origin in the middle of the axle, x forward, y left (`FRAME-3`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Robot;
+
 /// The pose of frame `Child` in frame `Parent` (`FRAME-1`, `FRAME-4`): metres, and an angle counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pose<Parent, Child> {

@@ -11,6 +11,9 @@
 //! and [`detect`] runs them all, those before merging for each line by its global and then by its local threshold. Each
 //! reports its result to an [`observer`].
 //!
+//! Where the robot is follows from its wheels' steps, by [`motion`], and from landmarks whose place is known, by
+//! [`observation`], which [`filter`] puts together.
+//!
 //! # Arithmetic
 //! There is no floating-point number in this crate. Crossings are integers, so the normal equations of a homography
 //! are integers too, and their solution is a ratio of two 64-bit integers that is compared, never rounded, while
@@ -77,15 +80,19 @@ pub mod detect;
 pub mod edge;
 pub mod elimination;
 pub mod extents;
+pub mod filter;
 pub mod fit;
 pub mod formats;
 pub mod frame;
 pub mod homography;
 pub mod hypotheses;
 pub mod ink;
+pub mod inverse;
 pub mod landmark;
 pub mod light;
 pub mod merge;
+pub mod motion;
+pub mod observation;
 pub mod observer;
 pub mod pose;
 pub mod projection;
@@ -94,6 +101,7 @@ pub mod ratio;
 pub mod reciprocal;
 pub mod refusal;
 pub mod regions;
+pub mod rotation;
 pub mod sampling;
 pub mod sweep;
 pub mod threshold;

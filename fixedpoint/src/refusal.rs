@@ -184,6 +184,23 @@ pub enum LandmarkRefusal {
 
 sentences!(LandmarkRefusal { StripeWidth: "the stripe width is outside 0.5 to 20 mm" });
 
+/// Why a drive's description was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveRefusal {
+    /// The wheels' diameter is outside 5 to 250 mm.
+    Diameter,
+    /// The axle is outside 20 to 800 mm.
+    Axle,
+    /// A turn has fewer than 64 steps.
+    Steps,
+}
+
+sentences!(DriveRefusal {
+    Diameter: "the wheels' diameter is outside 5 to 250 mm",
+    Axle: "the axle is outside 20 to 800 mm",
+    Steps: "a turn of a wheel has fewer than 64 steps",
+});
+
 #[cfg(test)]
 mod tests {
     use super::*;

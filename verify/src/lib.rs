@@ -13,6 +13,7 @@ pub mod disturb;
 pub mod drawing;
 pub mod false_accepts;
 pub mod figures;
+pub mod filters;
 pub mod findings;
 pub mod input;
 pub mod junk;
