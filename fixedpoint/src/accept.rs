@@ -145,6 +145,7 @@ pub fn accept<O: Observer>(
             }
             match fit_threshold(candidate, &merged, setting, observer) {
                 Some(fitted) => accept_fitted(candidate, Decoder::Threshold, &fitted, setting),
+                None if local => Err(CandidateRefusal::NoFit),
                 None => accept_merged(candidate, &merged, setting),
             }
         }

@@ -105,7 +105,7 @@ sentences!(FitRefusal {
 pub enum CandidateRefusal {
     /// `TRELLIS-7`.
     Unsettled,
-    /// `ACCEPT-11`.
+    /// `ACCEPT-10` and `ACCEPT-11`.
     NoFit,
     /// `ACCEPT-2`.
     Disagree,
@@ -131,7 +131,7 @@ pub enum CandidateRefusal {
 
 sentences!(CandidateRefusal {
     Unsettled: "its half words still change after the third fit",
-    NoFit: "its extents cannot be fitted",
+    NoFit: "no barcode can be fitted to its pixels",
     Disagree: "its layers' homographies are not of one barcode",
     Oblique: "it would be seen at more than 72 degrees",
     Contrast: "one of its layers has too little contrast, half that of the other, or a black below zero",

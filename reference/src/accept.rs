@@ -149,15 +149,20 @@ pub fn accept<O: Observer>(
     });
     match best_fit(&fitted_layers, &merged, view, observer) {
         Some(fitted) => accept_fit(&fitted_layers, fitted, Decoder::Threshold, view, observer),
+        None if is_local(layers) => Err(CandidateRefusal::NoFit),
         None => first_failure(&[visibility(&merged, view.camera)], observer).map(|()| unfitted(&merged, view)),
     }
+}
+
+/// Whether the local threshold found at least one of the layers.
+fn is_local(layers: [&DecodedLayer; 2]) -> bool {
+    layers.iter().any(|layer| layer.thresholding == Thresholding::Local)
 }
 
 /// How far two layers may be apart (ACCEPT-2), pixels.
 fn pixels_apart(layers: [&DecodedLayer; 2], rule: CrossingRule) -> f64 {
     let whole = rule == CrossingRule::WholePixel;
-    let local = layers.iter().any(|layer| layer.thresholding == Thresholding::Local);
-    [whole, local].iter().fold(1.0, |pixels, &more| if more { pixels + 1.0 } else { pixels })
+    [whole, is_local(layers)].iter().fold(1.0, |pixels, &more| if more { pixels + 1.0 } else { pixels })
 }
 
 /// ACCEPT-2
@@ -504,6 +509,36 @@ pub(crate) mod tests {
         // 1/20 + 1/30 and 1/20 + 2/30.
         assert!(!agree(0.0, 0.0, 0.084, fine) && agree(0.0, 0.0, 0.084, paper) && !agree(0.0, 0.0, 0.117, paper));
         assert!(agree(1.99, 1.99, 0.0, paper) && !agree(2.01, 0.0, 0.0, paper));
+    }
+
+    /// All pixels at their limits: there are none to fit (ACCEPT-10).
+    #[test]
+    fn without_a_fit_the_global_threshold_s_estimate_is_the_paper_s() {
+        let seen = Found::at_30_cm();
+        let lines =
+            seen.lines.clone().map(|line| line.iter().map(|&value| if value > 120 { 255 } else { 0 }).collect());
+        let [upper, lower]: [Vec<u8>; 2] = lines;
+        let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
+        let view = View { lines: [&upper, &lower], camera, landmark, rule: CrossingRule::Interpolated };
+        let homography = Homography { a: 0.0, s: 32.0, k: 0.01 };
+        let decided = |thresholding| {
+            let layer = |i: usize| DecodedLayer {
+                thresholding,
+                hypothesis: Hypothesis {
+                    first_region: 1,
+                    last_region: 9,
+                    first_pixel: seen.pixels[i].0,
+                    last_pixel: seen.pixels[i].1,
+                },
+                half_word: 0x5A5,
+                homography,
+            };
+            accept([&layer(0), &layer(1)], &view, &mut Silent)
+        };
+        let found = decided(Thresholding::Global).unwrap();
+        assert!(found.fit.is_none() && found.homography == homography);
+        assert_eq!(found.pose.camera_in_landmark, pose(&homography, camera, landmark));
+        assert_eq!(decided(Thresholding::Local), Err(CandidateRefusal::NoFit));
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub enum FitRefusal {
 pub enum CandidateRefusal {
     /// TRELLIS-7
     Unsettled,
-    /// ACCEPT-11
+    /// ACCEPT-10, ACCEPT-11
     NoFit,
     /// ACCEPT-2
     Disagree,

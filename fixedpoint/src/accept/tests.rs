@@ -366,6 +366,11 @@ fn a_threshold_s_candidate_without_a_fit_is_the_paper_s() {
     let camera = Camera::epuck();
     assert_eq!(found.camera_in_landmark, pose(&found.homography, &camera, &limited.landmark));
     assert!(found.covariance.xx > 0);
+    // Found by the local threshold it is none.
+    let (setting, layers) = (limited.setting(&camera), [limited.homography(); 2]);
+    let decided = |local| accept(&limited.candidate, Evidence::Threshold { layers, local }, &setting, &mut Silent);
+    assert!(decided(false).is_ok());
+    assert_eq!(decided(true), Err(CandidateRefusal::NoFit));
     // A pair of extents is refused instead, which `trellis` decides.
     assert_eq!(limited.decided(0.0, 0.0, 0.3, CrossingRule::Interpolated), Err(CandidateRefusal::Disagree));
 }
