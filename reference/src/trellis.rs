@@ -35,7 +35,8 @@ pub struct Settled {
 
 /// Decodes a pair of extents (TRELLIS-1 to TRELLIS-7).
 pub fn decode<O: Observer>(pair: &Pair, view: &View<'_>, observer: &mut O) -> Result<Settled, CandidateRefusal> {
-    decode_from(pair, &guard_start(pair, view.camera), view, observer)
+    let guards = guard_fit(pair, &guard_start(pair, view.camera), view)?;
+    decode_after(pair, &guards.imaging, &guards.lights, view, observer)
 }
 
 /// Where the guard fit of a pair of extents starts (TRELLIS-1).
@@ -46,17 +47,6 @@ pub fn guard_start(pair: &Pair, camera: &Camera) -> Homography {
     let (left, right) = (upper.first + lower.first, upper.last + lower.last + 2);
     let (left, right) = (left as f64 - 1.0, right as f64 - 1.0);
     Homography { a: (left + right) / 4.0 - camera.principal_column, s: (right - left) / 4.0, k: 0.0 }
-}
-
-/// Decodes a pair of extents whose guard fit starts at a homography.
-pub fn decode_from<O: Observer>(
-    pair: &Pair,
-    start: &Homography,
-    view: &View<'_>,
-    observer: &mut O,
-) -> Result<Settled, CandidateRefusal> {
-    let guards = guard_fit(pair, start, view)?;
-    decode_after(pair, &guards.imaging, &guards.lights, view, observer)
 }
 
 /// The guard fit of a pair of extents from a homography (TRELLIS-1 to TRELLIS-3, TRELLIS-10).

@@ -391,27 +391,29 @@ fn depends_on_start(setting: &Setting, trace: &Trace, trial: &TrialTrace, other:
     let view = View { lines, camera: &setting.cameras.reference, landmark, rule: setting.rule };
     let pair = trial.pixels.map(|(first, last)| Extent { first, last });
     let layers = [Layer::Upper, Layer::Lower].map(|layer| layer_at(trace, trial, layer));
-    let decided = |moves: [f64; 3]| match (trial.decoder, layers) {
-        (Decoder::Trellis, _) => decided_from(&pair, &moved(&trellis::guard_start(&pair, view.camera), moves), &view),
+    let decides = |moves: [f64; 3]| match (trial.decoder, layers) {
+        (Decoder::Trellis, _) => {
+            let start = moved(&trellis::guard_start(&pair, view.camera), moves);
+            depends_on_guards(&pair, &start, &view, other)
+        }
         (Decoder::Threshold, [Some(upper), Some(lower)]) => {
             let [upper, lower] =
                 [upper, lower].map(|layer| DecodedLayer { homography: moved(&layer.homography, moves), ..layer });
             let mut detections = Vec::new();
             merge(&[upper], &[lower], &view, &mut detections, &mut Silent);
-            detections.first().map(|found| (found.decoder, found.payload))
+            detections.first().map(|found| (found.decoder, found.payload)) == other
         }
-        _ => trial.accepted(),
+        _ => trial.accepted() == other,
     };
     let ways = (0..27).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]);
     let mut moves = ways.map(|ways| ways.map(|way| f64::from(way) * bounds::START));
-    moves.any(|moves| decided(moves) == other)
-        || trial.decoder == Decoder::Trellis && depends_on_guards(&pair, &view, other)
+    moves.any(decides)
 }
 
-/// Whether the reference decides on a pair of extents as the port did when its guard fit is a little off (SAME-5): by a share of
-/// its standard deviations, as fits are.
-fn depends_on_guards(pair: &Pair, view: &View<'_>, other: Option<(Decoder, u32)>) -> bool {
-    let Ok(guards) = trellis::guard_fit(pair, &trellis::guard_start(pair, view.camera), view) else { return false };
+/// Whether the reference decides on a pair of extents as the port did when its guard fit from here is a little off (SAME-5): by a
+/// share of its standard deviations, as fits are.
+fn depends_on_guards(pair: &Pair, start: &Homography, view: &View<'_>, other: Option<(Decoder, u32)>) -> bool {
+    let Ok(guards) = trellis::guard_fit(pair, start, view) else { return other.is_none() };
     let deviation = |i: usize| guards.covariance[(i, i)].sqrt() * bounds::GUARDS;
     let Imaging { homography: h, blur } = guards.imaging;
     let ways = (0..81).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 % 3 - 1, i / 27 - 1].map(f64::from));
@@ -446,14 +448,6 @@ fn layer_at(trace: &Trace, trial: &TrialTrace, layer: Layer) -> Option<DecodedLa
         };
         Some(DecodedLayer { thresholding: roi.thresholding, hypothesis, half_word, homography: Homography { a, s, k } })
     })
-}
-
-/// What the reference makes of a pair of extents whose guard fit starts at a homography.
-fn decided_from(pair: &Pair, start: &Homography, view: &View<'_>) -> Option<(Decoder, u32)> {
-    let mut detections = Vec::new();
-    let settled = trellis::decode_from(pair, start, view, &mut Silent);
-    conclude_settled(pair, settled, view, &mut detections, &mut Silent);
-    detections.first().map(|found| (found.decoder, found.payload))
 }
 
 /// Whether the decision on a pair might have been another one by the bounds of what it was decided on (SAME-5): whether
