@@ -109,13 +109,10 @@ struct Chain {
 }
 
 impl Chain {
-    fn run(steps: u64, five: bool, measure: Measure, seed: u64) -> Self {
+    fn run(steps: u64, wheels: [f64; 2], deviations: [f64; 5], measure: Measure, seed: u64) -> Self {
         let rng = &mut generator(seed, 0);
         let cameras = Cameras::new(Camera::epuck()).unwrap();
         let landmarks = Landmarks::new(&[Format::Paper]).unwrap();
-        let wheels = if five { [0.003, -0.01] } else { [0.0, 0.0] };
-        let known = if five { [0.004, 0.02] } else { [0.0, 0.0] };
-        let deviations = [0.005, 0.005, 0.02, known[0], known[1]];
         let mut robot = Wanderer { pose: Pose::new(0.0, 0.0, 0.0), speeds: [20.0; 2], wheels };
         let mut filters = Filters::new(cameras, landmarks, &robot.pose, deviations);
         let mut chain = Self::default();
@@ -172,7 +169,14 @@ impl Chain {
 
 /// The design's limits: 1 mm and 0.1°.
 fn check(five: bool, measure: Measure, seed: u64) {
-    let chain = Chain::run(steps(), five, measure, seed);
+    let (wheels, [e, g]) = if five { ([0.003, -0.01], [0.004, 0.02]) } else { ([0.0; 2], [0.0; 2]) };
+    check_from(wheels, [0.005, 0.005, 0.02, e, g], measure, seed);
+}
+
+/// The same from given standard deviations of the start.
+fn check_from(wheels: [f64; 2], deviations: [f64; 5], measure: Measure, seed: u64) {
+    let five = deviations[3] > 0.0;
+    let chain = Chain::run(steps(), wheels, deviations, measure, seed);
     println!("{} states, as {measure:?}, {} steps: {chain:?}", if five { 5 } else { 3 }, steps());
     assert_eq!(chain.images, steps() / STEPS_PER_IMAGE);
     assert!(chain.used * 10 > chain.images * 9, "most images are used");
@@ -196,4 +200,17 @@ fn three_states_stay_together() {
 #[test]
 fn poses_as_observations_keep_them_together() {
     check(true, Measure::Pose, 3);
+}
+
+/// Covariances at the ends of what the port declares to hold: the root of a covariance up to 4, that of `e` and `g` up to 1/16.
+#[test]
+fn who_knows_nothing_is_told_the_same() {
+    check_from([0.003, -0.01], [3.9, 3.9, 3.0, 0.0624, 0.0624], Measure::Image, 4);
+    check_from([0.003, -0.01], [3.9, 3.9, 3.0, 0.0624, 0.0624], Measure::Pose, 5);
+}
+
+/// And down to a unit of 2^-48 m², 0.06 µm.
+#[test]
+fn who_knows_all_is_told_the_same() {
+    check_from([0.0, 0.0], [6e-8, 6e-8, 6e-8, 0.0, 0.0], Measure::Image, 6);
 }

@@ -13,11 +13,12 @@ use crate::homography::Homography;
 use crate::ink::Edges;
 use crate::landmark::Landmark;
 use crate::light::{Limited, LitLayer};
-use crate::merge::{Decoder, Detection, FitSummary, Reading, mean};
+use crate::merge::{Decoder, Detection, FitSummary, LayerFit, Reading, merged};
 use crate::observer::Observer;
 use crate::pose::pose;
 use crate::quiet_zone;
 use crate::refusal::CandidateRefusal;
+use crate::skew::{Shift, Skew};
 use crate::whiteness::{self, Correlations};
 use margin::Squares;
 
@@ -90,6 +91,8 @@ pub struct Setting<'a> {
     pub landmark: &'a Landmark,
     /// How transitions were placed.
     pub rule: CrossingRule,
+    /// How the camera moved between the lines.
+    pub skew: &'a Skew,
 }
 
 /// A pair with a payload.
@@ -106,8 +109,10 @@ pub struct Candidate {
 pub enum Evidence<'a> {
     /// The threshold: both layers' homographies.
     Threshold {
-        /// These, the upper one first.
+        /// These as their own rows saw them, the upper one first.
         layers: [Homography; 2],
+        /// The shift of the upper one (`SKEW-2`), none at rest.
+        shift: Shift,
         /// Whether at least one was found by the local threshold.
         local: bool,
     },
@@ -126,6 +131,9 @@ impl Evidence<'_> {
     }
 }
 
+/// Where a camera is, and how well that is known.
+type Located = (Pose<frame::Landmark, frame::Camera>, PoseCovariance);
+
 /// Decides a candidate (`ACCEPT`); `ACCEPT-2` is asked before it is fitted.
 ///
 /// # Errors
@@ -137,17 +145,25 @@ pub fn accept<O: Observer>(
     observer: &mut O,
 ) -> Result<Detection, CandidateRefusal> {
     match evidence {
-        Evidence::Trellis(fitted) => accept_fitted(candidate, Decoder::Trellis, fitted, setting),
-        Evidence::Threshold { layers: [upper, lower], local } => {
-            let merged = mean(&upper, &lower);
-            if !agree(&upper, &lower, &merged, pixels_apart(setting.rule, local)) {
+        Evidence::Trellis(fitted) => accept_joint(candidate, Decoder::Trellis, fitted, setting),
+        Evidence::Threshold { layers: [upper, lower], shift, local } => {
+            let (pixels, moved_back) = (pixels_apart(setting.rule, local), shift.taken_off(&lower));
+            let transitions = merged(&upper, &moved_back, setting.skew);
+            if !agree(&upper, &moved_back, &transitions, pixels, setting.skew.play) {
                 return Err(CandidateRefusal::Disagree);
             }
-            match fit_threshold(candidate, &merged, setting, observer) {
-                Some(fitted) => accept_fitted(candidate, Decoder::Threshold, &fitted, setting),
+            let fits = if setting.skew.is_at_rest() {
+                fit_threshold(&layers(candidate, setting), &transitions, setting, observer).map(Fits::Joint)
+            } else {
+                fit_each(candidate, [&upper, &lower], setting, observer).map(Fits::Each)
+            };
+            let found = match fits {
+                Some(Fits::Joint(fitted)) => accept_joint(candidate, Decoder::Threshold, &fitted, setting),
+                Some(Fits::Each(fits)) => accept_each(candidate, &fits, setting),
                 None if local => Err(CandidateRefusal::NoFit),
-                None => accept_merged(candidate, &merged, setting),
-            }
+                None => accept_merged(candidate, &transitions, setting),
+            };
+            found.map(|found| Detection { transitions: Some(transitions), ..found })
         }
     }
 }
@@ -157,8 +173,9 @@ fn pixels_apart(rule: CrossingRule, local: bool) -> u8 {
     1 + u8::from(rule == CrossingRule::WholePixel) + u8::from(local)
 }
 
-/// Whether two layers see one barcode (`ACCEPT-2`), exactly; `s` is that of the merged homography.
-fn agree(upper: &Homography, lower: &Homography, merged: &Homography, pixels: u8) -> bool {
+/// Whether two layers see one barcode (`ACCEPT-2`), exactly, the lower one less the shift and with a play in `a` (`SKEW-6`); `s` is
+/// that of the merged homography.
+fn agree(upper: &Homography, lower: &Homography, merged: &Homography, pixels: u8, play: u32) -> bool {
     let pixels = i128::from(pixels);
     let apart = |one: i32, other: i32| i128::from(one.abs_diff(other));
     let pixel = i128::from(Column::ONE.to_bits());
@@ -167,21 +184,28 @@ fn agree(upper: &Homography, lower: &Homography, merged: &Homography, pixels: u8
     // |Δk| <= 1/20 + n/s, times 20 s: 30 and 20 fraction bits.
     let k_apart = apart(upper.k.to_bits(), lower.k.to_bits()) * 20 * s;
     let k_limit = (s + 20 * pixels * pixel) << 30;
-    a_apart <= pixels * pixel && s_apart <= pixels * pixel && k_apart <= k_limit
+    a_apart <= (pixels + i128::from(play)) * pixel && s_apart <= pixels * pixel && k_apart <= k_limit
 }
 
-/// The fit of a threshold's candidate, under even light or under a step of light (`ACCEPT-1`); none if both are refused.
+/// The fits of a threshold's candidate.
+enum Fits {
+    /// At rest: of both layers.
+    Joint(Fitted),
+    /// Of a moving camera: of each layer alone (`SKEW-7`).
+    Each([Fitted; 2]),
+}
+
+/// The fit of one layer or both, under even light or under a step of light (`ACCEPT-1`); none if both are refused.
 #[inline(never)] // what it keeps on the stack is gone before the candidate is decided
 fn fit_threshold<O: Observer>(
-    candidate: &Candidate,
-    merged: &Homography,
+    layers: &[FitLayer<'_>],
+    start: &Homography,
     setting: &Setting<'_>,
     observer: &mut O,
 ) -> Option<Fitted> {
-    let layers = layers(candidate, setting);
     let format = setting.landmark.format;
     let mut fit = |illumination| {
-        let fitted = fit::fit(&layers, &Start::at(merged), setting.camera, format, illumination);
+        let fitted = fit::fit(layers, &Start::at(start), setting.camera, format, illumination);
         observer.fitted(fitted.as_ref().map_err(|refusal| *refusal));
         fitted.ok()
     };
@@ -192,27 +216,65 @@ fn fit_threshold<O: Observer>(
     }
 }
 
+/// The fits of both layers, each from its own homography (`SKEW-7`); none if one of them has none.
+fn fit_each<O: Observer>(
+    candidate: &Candidate,
+    homographies: [&Homography; 2],
+    setting: &Setting<'_>,
+    observer: &mut O,
+) -> Option<[Fitted; 2]> {
+    let [above, below] = layers(candidate, setting);
+    let [upper, lower] = homographies;
+    let upper = fit_threshold(&[above], upper, setting, observer);
+    let lower = fit_threshold(&[below], lower, setting, observer);
+    Some([upper?, lower?])
+}
+
 /// The candidate's layers, for the fit.
 fn layers<'a>(candidate: &Candidate, setting: &Setting<'a>) -> [FitLayer<'a>; 2] {
     let [upper, lower] = setting.lines;
     let [above, below] = candidate.readings;
-    let layer = |line, reading: Reading| FitLayer {
-        line,
-        first_pixel: reading.first_pixel,
-        last_pixel: reading.last_pixel,
-        stripes: fit::stripes(setting.landmark.format, reading.half_word),
-    };
-    [layer(upper, above), layer(lower, below)]
+    let format = setting.landmark.format;
+    [above.layer(upper, format), below.layer(lower, format)]
 }
 
-/// Decides by the fit (`ACCEPT-3` to `ACCEPT-9`, `ACCEPT-12` to `ACCEPT-17`).
-#[inline(never)] // what it keeps on the stack is not there during the fits
-fn accept_fitted(
+/// Decides by one fit of both layers.
+fn accept_joint(
     candidate: &Candidate,
     decoder: Decoder,
     fitted: &Fitted,
     setting: &Setting<'_>,
 ) -> Result<Detection, CandidateRefusal> {
+    let (LayerFit { homography, fit }, located) = accept_fitted(&layers(candidate, setting), decoder, fitted, setting)?;
+    Ok(detection(candidate, decoder, setting, homography, Some(fit), located))
+}
+
+/// Decides by the fits of each layer alone, the upper one first (`SKEW-7`); the detection is the upper one's (`SKEW-8`).
+fn accept_each(
+    candidate: &Candidate,
+    fits: &[Fitted; 2],
+    setting: &Setting<'_>,
+) -> Result<Detection, CandidateRefusal> {
+    let decoder = Decoder::Threshold;
+    let ([upper, lower], [above, below]) = (fits, layers(candidate, setting));
+    if !gains_match(gain(upper), gain(lower)) {
+        return Err(CandidateRefusal::Contrast);
+    }
+    let (LayerFit { homography, fit }, located) = accept_fitted(&[above], decoder, upper, setting)?;
+    let (lower, _) = accept_fitted(&[below], decoder, lower, setting)?;
+    let found = detection(candidate, decoder, setting, homography, Some(fit), located);
+    Ok(Detection { lower_fit: Some(lower), ..found })
+}
+
+/// Decides by the fit of one layer or both (`ACCEPT-3` to `ACCEPT-9`, `ACCEPT-12` to `ACCEPT-17`), `ḡ` being the gain where there
+/// is one layer.
+#[inline(never)] // what it keeps on the stack is not there during the fits
+fn accept_fitted(
+    layers: &[FitLayer<'_>],
+    decoder: Decoder,
+    fitted: &Fitted,
+    setting: &Setting<'_>,
+) -> Result<(LayerFit, Located), CandidateRefusal> {
     let (camera, landmark, limits) = (setting.camera, setting.landmark, Limits::of(decoder));
     if !is_visible(&fitted.homography, camera) {
         return Err(CandidateRefusal::Oblique);
@@ -223,24 +285,24 @@ fn accept_fitted(
     if fitted.blur > limits.blur {
         return Err(CandidateRefusal::Blur);
     }
-    if !limits.explain(fitted) || !limited_pixels_fit(candidate, &limits, fitted, setting) {
+    if !limits.explain(fitted) || !limited_pixels_fit(layers, &limits, fitted, setting) {
         return Err(CandidateRefusal::Misfit);
     }
-    if !limits.take_for_noise(&correlations(candidate, fitted, setting), fitted) {
+    if !limits.take_for_noise(&correlations(layers, fitted, setting), fitted) {
         return Err(CandidateRefusal::Correlated);
     }
-    if !has_quiet_zones(candidate, fitted, setting) {
+    if !has_quiet_zones(layers, fitted, setting) {
         return Err(CandidateRefusal::QuietZone);
     }
-    let margin = margin(candidate, fitted, setting);
+    let margin = margin(layers, fitted, setting);
     if !limits.decide(margin, fitted) {
         return Err(CandidateRefusal::Margin);
     }
     let Fitted { homography, blur, covariance, variance, .. } = *fitted;
-    let found = covariance::transform(&homography, &covariance, camera, landmark);
-    let found = found.map_err(|_| CandidateRefusal::Undetermined)?;
-    let summary = FitSummary { covariance, blur, variance, margin };
-    Ok(detection(candidate, decoder, setting, homography, Some(summary), found))
+    let located = covariance::transform(&homography, &covariance, camera, landmark);
+    let located = located.map_err(|_| CandidateRefusal::Undetermined)?;
+    let fit = FitSummary { covariance, blur, variance, margin, illumination: fitted.illumination() };
+    Ok((LayerFit { homography, fit }, located))
 }
 
 /// Decides without a fit (`ACCEPT-10`).
@@ -255,8 +317,8 @@ fn accept_merged(
     }
     let camera_in_landmark = pose(merged, setting.camera, setting.landmark);
     let covariance = covariance::paper(&camera_in_landmark, setting.camera);
-    let found = (camera_in_landmark, covariance);
-    Ok(detection(candidate, Decoder::Threshold, setting, *merged, None, found))
+    let located = (camera_in_landmark, covariance);
+    Ok(detection(candidate, Decoder::Threshold, setting, *merged, None, located))
 }
 
 /// Whether a camera can see it (`ACCEPT-3`), exactly. Both sides have 46 fraction bits and are below 2^60.
@@ -266,23 +328,38 @@ fn is_visible(homography: &Homography, camera: &Camera) -> bool {
     u64::from(camera.focal_length().to_bits()) * k <= (3 * s) << 26
 }
 
-/// The gains of both layers, in 2^-8 grey level.
-fn gains(lights: &[LayerLight]) -> Option<[i32; 2]> {
-    match lights {
-        [upper, lower] => Some([upper.gain, lower.gain]),
-        _ => None,
-    }
+/// Whether the noise of a fit is explained by ACCEPT-6's `v` of a decoder, `ḡ` being the gain where there is one layer alone
+/// (`LAYER-2`), exactly.
+#[must_use]
+pub fn is_explained(fitted: &Fitted, decoder: Decoder) -> bool {
+    Limits::of(decoder).explain(fitted)
 }
 
-/// Whether both layers have contrast, and one not more than twice that of the other (`ACCEPT-4`), exactly.
+/// The gain of a layer that was fitted alone, in 2^-8 grey level.
+fn gain(alone: &Fitted) -> i32 {
+    alone.lights.first().map_or(0, |light| light.gain)
+}
+
+/// Whether one layer or both have contrast, and neither more than twice that of the other (`ACCEPT-4`), exactly.
 fn has_contrast(lights: &[LayerLight]) -> bool {
-    gains(lights)
-        .is_some_and(|[upper, lower]| upper.max(lower) <= LEAST_CONTRAST && upper >= 2 * lower && lower >= 2 * upper)
+    let matched = match lights {
+        [upper, lower] => gains_match(upper.gain, lower.gain),
+        _ => true,
+    };
+    matched && lights.iter().all(|light| light.gain <= LEAST_CONTRAST)
 }
 
-/// `2 ḡ` in 2^-8 grey levels, within ±2^18.
+/// Whether neither of two gains below 0 is more than twice the other (`ACCEPT-4`), exactly.
+fn gains_match(upper: i32, lower: i32) -> bool {
+    upper >= 2 * lower && lower >= 2 * upper
+}
+
+/// `2 ḡ` in 2^-8 grey levels, within ±2^18; of one layer twice its own gain.
 fn twice_gain(lights: &[LayerLight]) -> i32 {
-    gains(lights).map_or(0, |[upper, lower]| upper + lower)
+    match lights {
+        [alone] => 2 * alone.gain,
+        _ => lights.iter().map(|light| light.gain).sum(),
+    }
 }
 
 /// `(2 ḡ)²` in 2^-16 squared grey levels, below 2^37.
@@ -290,7 +367,7 @@ fn twice_gain_squared(fitted: &Fitted) -> u64 {
     u64::from(twice_gain(&fitted.lights).unsigned_abs()).pow(2)
 }
 
-/// Whether both layers' black is one that a camera can see (`ACCEPT-14`), `16 (o + g) >= 2 ḡ` unless there is a step of
+/// Whether the layers' black is one that a camera can see (`ACCEPT-14`), `16 (o + g) >= 2 ḡ` unless there is a step of
 /// light, exactly.
 ///
 /// `o + g` is within ±2^18.
@@ -306,9 +383,9 @@ fn edges(fitted: &Fitted, setting: &Setting<'_>) -> Edges {
 /// Whether the pixels that the camera limited are about as dark or as bright by the model (`ACCEPT-13`).
 ///
 /// The errors of a model are those of [`crate::light::Seen::change`] and of the ink.
-fn limited_pixels_fit(candidate: &Candidate, limits: &Limits, fitted: &Fitted, setting: &Setting<'_>) -> bool {
+fn limited_pixels_fit(layers: &[FitLayer<'_>], limits: &Limits, fitted: &Fitted, setting: &Setting<'_>) -> bool {
     let (format, edges) = (setting.landmark.format, edges(fitted, setting));
-    layers(candidate, setting).iter().zip(&fitted.lights).all(|(layer, light)| {
+    layers.iter().zip(&fitted.lights).all(|(layer, light)| {
         let lit = LitLayer::new(layer, format, light);
         (lit.first_pixel()..=lit.last_pixel()).all(|pixel| {
             let Some(seen) = lit.at(pixel).filter(|seen| seen.limited != Limited::Not) else { return true };
@@ -319,33 +396,26 @@ fn limited_pixels_fit(candidate: &Candidate, limits: &Limits, fitted: &Fitted, s
     })
 }
 
-/// What a candidate leaves unexplained (`ACCEPT-15`); see [`whiteness::correlations`].
-fn correlations(candidate: &Candidate, fitted: &Fitted, setting: &Setting<'_>) -> Correlations {
-    whiteness::correlations(
-        setting.landmark.format,
-        &edges(fitted, setting),
-        &layers(candidate, setting),
-        &fitted.lights,
-    )
+/// What layers leave unexplained (`ACCEPT-15`); see [`whiteness::correlations`].
+fn correlations(layers: &[FitLayer<'_>], fitted: &Fitted, setting: &Setting<'_>) -> Correlations {
+    whiteness::correlations(setting.landmark.format, &edges(fitted, setting), layers, &fitted.lights)
 }
 
-/// Whether there is a quiet zone on either side of both layers (`ACCEPT-16`); see [`quiet_zone::is_clear`].
-fn has_quiet_zones(candidate: &Candidate, fitted: &Fitted, setting: &Setting<'_>) -> bool {
+/// Whether there is a quiet zone on either side of every layer (`ACCEPT-16`); see [`quiet_zone::is_clear`].
+fn has_quiet_zones(layers: &[FitLayer<'_>], fitted: &Fitted, setting: &Setting<'_>) -> bool {
     let (format, edges) = (setting.landmark.format, edges(fitted, setting));
     let contrast = twice_gain(&fitted.lights).unsigned_abs();
-    let layers = layers(candidate, setting);
     layers.iter().zip(&fitted.lights).all(|(layer, light)| quiet_zone::is_clear(format, &edges, layer, light, contrast))
 }
 
-/// The decision margin of a candidate (`ACCEPT-8`), the least of both layers'; see [`margin::least_change`].
+/// The decision margin of layers (`ACCEPT-8`), the least of each one's; see [`margin::least_change`].
 #[must_use]
-pub fn margin(candidate: &Candidate, fitted: &Fitted, setting: &Setting<'_>) -> Squares {
+pub fn margin(layers: &[FitLayer<'_>], fitted: &Fitted, setting: &Setting<'_>) -> Squares {
     let (format, edges) = (setting.landmark.format, edges(fitted, setting));
-    let layers = layers(candidate, setting);
-    let read = layers.iter().zip(&fitted.lights).zip(candidate.readings);
-    read.map(|((layer, light), reading)| {
+    let read = layers.iter().zip(&fitted.lights);
+    read.map(|(layer, light)| {
         let lit = LitLayer::new(layer, format, light);
-        margin::least_change(format, &edges, &lit, reading.half_word)
+        margin::least_change(format, &edges, &lit, layer.half_word(format))
     })
     .fold(Squares::MAX, Squares::min)
 }
@@ -356,11 +426,23 @@ fn detection(
     setting: &Setting<'_>,
     homography: Homography,
     fit: Option<FitSummary>,
-    (camera_in_landmark, covariance): (Pose<frame::Landmark, frame::Camera>, PoseCovariance),
+    (camera_in_landmark, covariance): Located,
 ) -> Detection {
     let Candidate { payload, readings: [upper, lower] } = *candidate;
     let format = setting.landmark.format;
-    Detection { format, payload, decoder, upper, lower, homography, fit, camera_in_landmark, covariance }
+    Detection {
+        format,
+        payload,
+        decoder,
+        upper,
+        lower,
+        homography,
+        fit,
+        lower_fit: None,
+        transitions: None,
+        camera_in_landmark,
+        covariance,
+    }
 }
 
 #[cfg(test)]

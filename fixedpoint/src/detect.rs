@@ -11,6 +11,7 @@ use crate::merge::{Merger, withdraw_ambiguous};
 use crate::observer::{Layer, Observer};
 use crate::refusal::LineRefusal;
 use crate::regions::{Regions, regions};
+use crate::skew::Skew;
 use crate::threshold::local::Blocks;
 use crate::threshold::{Threshold, Thresholding, Thresholds, threshold};
 use heapless::Vec;
@@ -113,6 +114,8 @@ impl FormatLayers {
 /// Formats are searched in the order of `landmarks`, each as if it were the only one (`LINE-4`, `LINE-5`); of several
 /// landmarks of one format the first counts. A line that is refused has no layers and does not change what the other one
 /// has (`LINE-3`); why, the observer hears.
+///
+/// Both lines are taken to be exposed at the same time, or the camera to be at rest.
 pub fn detect<O: Observer>(
     upper: &[u8],
     lower: &[u8],
@@ -122,12 +125,28 @@ pub fn detect<O: Observer>(
     workspace: &mut Workspace,
     observer: &mut O,
 ) -> Detections {
+    detect_moving(upper, lower, camera, landmarks, rule, &Skew::AT_REST, workspace, observer)
+}
+
+/// Finds the landmarks in two scan lines between which the camera has moved (`SKEW-5` to `SKEW-9`), as [`detect`] does at
+/// rest; what detections say is what is seen at the upper line's time (`SKEW-8`).
+#[expect(clippy::too_many_arguments, reason = "those of `detect`, and the skew")]
+pub fn detect_moving<O: Observer>(
+    upper: &[u8],
+    lower: &[u8],
+    camera: &Camera,
+    landmarks: &[Landmark],
+    rule: CrossingRule,
+    skew: &Skew,
+    workspace: &mut Workspace,
+    observer: &mut O,
+) -> Detections {
     let Workspace { upper: above, lower: below, scratch } = workspace;
     Search { layer: Layer::Upper, line: upper, camera, landmarks, rule, layers: above, observer }.run(scratch);
     Search { layer: Layer::Lower, line: lower, camera, landmarks, rule, layers: below, observer }.run(scratch);
     let mut detections = Detections::new();
     for landmark in distinct(landmarks) {
-        let setting = Setting { lines: [upper, lower], camera, landmark, rule };
+        let setting = Setting { lines: [upper, lower], camera, landmark, rule, skew };
         let mut merger = Merger::new(setting, &mut detections, observer);
         merger.merge(&above.of(landmark.format).layers, &below.of(landmark.format).layers);
         if let (Some(one), Some(other)) = (&above.threshold, &below.threshold) {

@@ -2,6 +2,8 @@
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // of numbers that are small and positive
 
+use crate::formats::{Column, Obliquity};
+use crate::homography::Homography;
 use crate::landmark::{Format, GUARD_PAIRS};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -65,6 +67,30 @@ impl View {
     /// The same view, `a` pixels to the right: `z` becomes `z + a`.
     pub(crate) fn at(&self, a: f64) -> Self {
         Self { a: self.a + a, s: self.s + a * self.k, ..*self }
+    }
+
+    /// The view of the same barcode, of default dimensions, from where the camera, of `f` = 640 px, has moved by `x` ahead and `y`
+    /// to the left, in m, and turned by `turn`: from the places of the barcode's ends and centre, projected (`CAM-2`).
+    pub(crate) fn moved(&self, [x, y, turn]: [f64; 3]) -> Self {
+        let f = 640.0;
+        let half_width = 0.0015 * f64::from(self.format.stripes()) / 2.0;
+        // The half of the barcode to the right is (k, -s/f) depths long, the centre (1, -a/f).
+        let depth = half_width / self.k.hypot(self.s / f);
+        let column = |t: f64| {
+            let ahead = depth * (1.0 + t * self.k) - x;
+            let left = -depth * (self.a + t * self.s) / f - y;
+            let (sin, cos) = turn.sin_cos();
+            -f * (left * cos - ahead * sin) / (ahead * cos + left * sin)
+        };
+        let [first, a, last] = [-1.0, 0.0, 1.0].map(column);
+        // Both ends by z (1 + k t) = a + s t.
+        let k = (2.0 * a - first - last) / (last - first);
+        Self { a, s: (last * (1.0 + k) - first * (1.0 - k)) / 2.0, k, ..*self }
+    }
+
+    /// The homography, rounded to its formats.
+    pub(crate) fn homography(&self) -> Homography {
+        Homography { a: Column::from_num(self.a), s: Column::from_num(self.s), k: Obliquity::from_num(self.k) }
     }
 
     /// The column of an edge, from -1 at the left to 1.

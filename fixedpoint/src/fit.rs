@@ -101,6 +101,15 @@ pub struct Fitted {
     pub lights: Vec<LayerLight, 2>,
 }
 
+impl Fitted {
+    /// The light that the fit was made under.
+    #[must_use]
+    pub fn illumination(&self) -> Illumination {
+        let step = self.lights.iter().any(|light| light.step.is_some());
+        if step { Illumination::Step } else { Illumination::Even }
+    }
+}
+
 /// Which of the two fits it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Plan {
@@ -142,6 +151,15 @@ pub fn fit_guards(
 #[must_use]
 pub fn stripes(format: Format, half_word: u16) -> u32 {
     0b1010 << (format.code_stripes() + 4) | u32::from(half_word) << 4 | 0b0101
+}
+
+impl FitLayer<'_> {
+    /// The half word of its [`stripes`].
+    #[must_use]
+    pub fn half_word(&self, format: Format) -> u16 {
+        let code = (1 << format.code_stripes()) - 1;
+        u16::try_from((self.stripes >> 4) & code).unwrap_or(u16::MAX)
+    }
 }
 
 fn run(

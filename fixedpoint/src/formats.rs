@@ -3,7 +3,7 @@
 //! Whatever is rounded is rounded to the nearest multiple of its resolution, halves up.
 
 use core::ops::{Add, Neg, Sub};
-use fixed::types::{I0F32, I2F30, I8F24, I12F20, I16F16, U0F32, U16F16};
+use fixed::types::{I0F32, I2F30, I8F24, I12F20, I16F16, I24F40, U0F32, U2F30, U16F16};
 
 /// Columns and half widths in px: `a` and `s` of a reported homography, the principal column.
 pub type Column = I12F20;
@@ -20,6 +20,9 @@ pub type StripeWidth = U0F32;
 /// A coordinate of a pose in metres.
 pub type Length = I8F24;
 
+/// A step of a site's grid in metres, above 0: 1023 of them err by less than half a micrometre.
+pub type GridStep = U2F30;
+
 /// The wheels' diameter and the axle in metres.
 pub type WheelLength = U0F32;
 
@@ -31,6 +34,9 @@ pub type Share = I0F32;
 
 /// Steps of a wheel, with parts of one where an interval is divided.
 pub type Steps = I16F16;
+
+/// How far a camera moves between two rows, in metres.
+pub type Displacement = I24F40;
 
 /// An angle in units of π/2^31, from -π inclusive to π exclusive, where the smallest value stands for π (`FRAME-5`).
 ///
@@ -101,7 +107,7 @@ pub struct FormatRow {
 
 /// Every quantity and its number format, in the order in which a scan line meets them.
 #[rustfmt::skip] // one row to a line
-pub const FORMATS: [FormatRow; 70] = [
+pub const FORMATS: [FormatRow; 78] = [
     row("pixel", "grey level", "one value of a scan line", 8, 0, "0", "255", "1"),
     row("pixel index", "px", "first pixel of a region, ends of an ROI", 16, 0, "0", "639", "1"),
     row("Threshold::twice", "grey level", "twice a threshold, T2 or T2(i)", 16, 0, "0", "510", "1"),
@@ -120,8 +126,16 @@ pub const FORMATS: [FormatRow; 70] = [
     row("Obliquity", "1", "k of a homography", 32, 30, "-1/2", "1/2", "2^-30"),
     row("FocalLength", "px", "focal length of a camera", 32, 16, "16", "2048", "2^-16"),
     row("StripeWidth", "m", "X_dim of a landmark", 32, 32, "0.0005", "0.02", "2^-32"),
+    row("Displacement", "m", "t of a skew", 64, 40, "-2^23", "2^23 - 2^-40", "2^-40"),
+    row("Plane", "px", "f/ρ times a barcode's centre and its half", 64, 30, "-2^23", "2^23", "2^-30"),
+    row("carried ratio", "1", "a/f and s/f of a carried homography", 64, 40, "-2^23", "2^23", "2^-40"),
+    row("Shift a, s", "px", "shift of a homography", 32, 20, "-2048", "2048 - 2^-20", "2^-20"),
+    row("Shift k", "1", "likewise", 32, 30, "-3/2", "3/2", "2^-30"),
+    row("EndShifts", "px", "shift of an end", 16, 0, "-2^15", "2^15 - 1", "1"),
+    row("Skew::play", "px", "play of a moving camera", 32, 0, "0", "2^17", "1"),
     row("pose ratio", "1", "x and y of a pose in half widths", 64, 24, "-2^39", "2^39", "2^-24"),
     row("Length", "m", "x and y of a pose", 32, 24, "-128", "128 - 2^-24", "2^-24"),
+    row("GridStep", "m", "step of a site's grid", 32, 30, "2^-30", "4 - 2^-30", "2^-30"),
     row("Projection column", "px", "an edge, from the fit's origin", 32, 16, "-2^11", "2^11", "2^-16"),
     row("Boundary::ink", "px", "ink to the left of a pixel's boundary", 32, 16, "0", "2^11", "2^-16"),
     row("Boundary::distribution", "1", "normal distribution at a boundary", 32, 16, "0", "1", "2^-16"),
@@ -230,7 +244,9 @@ mod tests {
             ("FocalLength", FocalLength::INT_NBITS + FocalLength::FRAC_NBITS, FocalLength::FRAC_NBITS),
             ("StripeWidth", StripeWidth::INT_NBITS + StripeWidth::FRAC_NBITS, StripeWidth::FRAC_NBITS),
             ("Length", Length::INT_NBITS + Length::FRAC_NBITS, Length::FRAC_NBITS),
+            ("GridStep", GridStep::INT_NBITS + GridStep::FRAC_NBITS, GridStep::FRAC_NBITS),
             ("Blur", Column::INT_NBITS + Column::FRAC_NBITS, Column::FRAC_NBITS),
+            ("Displacement", Displacement::INT_NBITS + Displacement::FRAC_NBITS, Displacement::FRAC_NBITS),
             ("Angle", i32::BITS, 31),
             ("WheelLength", WheelLength::INT_NBITS + WheelLength::FRAC_NBITS, WheelLength::FRAC_NBITS),
             ("Slip", Slip::INT_NBITS + Slip::FRAC_NBITS, Slip::FRAC_NBITS),

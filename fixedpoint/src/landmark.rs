@@ -6,8 +6,8 @@ use crate::refusal::LandmarkRefusal;
 /// Bars of one guard, each followed by a space (`N_guard`).
 pub const GUARD_PAIRS: u8 = 2;
 
-/// How many stripes a layer has and how many bits a landmark carries (`LAND-1`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How many stripes a layer has and how many bits a landmark carries (`LAND-1`); `Paper` comes first (`TIME-2`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Format {
     /// 12 code stripes per layer, 16 bits.
     Paper,

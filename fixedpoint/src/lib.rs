@@ -6,13 +6,17 @@
 //!
 //! [`threshold`] → [`regions`] → [`hypotheses`] → [`homography`] (from [`crossing`]s) → [`sampling`] → [`decode`] →
 //! [`merge`], beside it [`extents`] → [`trellis`] for barcodes too small to be thresholded; then [`fit`] (from [`edge`]s) →
-//! [`accept`] → [`pose`] and [`covariance`]
+//! [`accept`] → [`pose`] and [`covariance`] → [`layers`]
 //!
 //! and [`detect`] runs them all, those before merging for each line by its global and then by its local threshold. Each
 //! reports its result to an [`observer`].
 //!
-//! Where the robot is follows from its wheels' steps, by [`motion`], and from landmarks whose place is known, by
-//! [`observation`], which [`filter`] puts together.
+//! A camera that reads its rows one after the other sees both lines at different times ([`exposure`]) and, while it moves, from
+//! different places ([`skew`]).
+//!
+//! Where the robot is follows from its wheels' steps, by [`motion`], and from landmarks whose place is known ([`places`],
+//! [`grid`]), by [`observation`], which [`filter`] puts together, in the order that [`timeline`] finds; [`localizer`] is all of
+//! it.
 //!
 //! # Arithmetic
 //! There is no floating-point number in this crate. Crossings are integers, so the normal equations of a homography
@@ -20,7 +24,7 @@
 //! stripes are sampled. What is rounded in the end is rounded to nearest, halves up. [`formats`] lists every format.
 //!
 //! # Memory
-//! No allocator: everything lives in a [`detect::Workspace`] of about 1.5 KB, in the returned list of about 1.3 KB,
+//! No allocator: everything lives in a [`detect::Workspace`] of about 1.5 KB, in the returned list of about 2 KB,
 //! and on the stack. A buffer that fills up ends in a refusal that says so.
 //!
 //! # Rules
@@ -79,21 +83,26 @@ pub mod decode;
 pub mod detect;
 pub mod edge;
 pub mod elimination;
+pub mod exposure;
 pub mod extents;
 pub mod filter;
 pub mod fit;
 pub mod formats;
 pub mod frame;
+pub mod grid;
 pub mod homography;
 pub mod hypotheses;
 pub mod ink;
 pub mod inverse;
 pub mod landmark;
+pub mod layers;
 pub mod light;
+pub mod localizer;
 pub mod merge;
 pub mod motion;
 pub mod observation;
 pub mod observer;
+pub mod places;
 pub mod pose;
 pub mod projection;
 pub mod quiet_zone;
@@ -103,10 +112,14 @@ pub mod refusal;
 pub mod regions;
 pub mod rotation;
 pub mod sampling;
+pub mod skew;
 pub mod sweep;
 pub mod threshold;
+pub mod timeline;
 pub mod trellis;
 pub mod whiteness;
+
+mod in_order;
 
 #[cfg(test)]
 mod drawing;

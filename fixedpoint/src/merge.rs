@@ -6,6 +6,7 @@ use crate::codeword;
 use crate::covariance::{Covariance, PoseCovariance};
 use crate::decode::DecodedLayer;
 use crate::extents::{Extent, Shade, extents};
+use crate::fit::{self, FitLayer, Illumination};
 use crate::formats::{Column, Obliquity};
 use crate::frame::{self, Pose};
 use crate::homography::Homography;
@@ -13,6 +14,7 @@ use crate::hypotheses::Hypothesis;
 use crate::landmark::Format;
 use crate::observer::Observer;
 use crate::refusal::{CandidateRefusal, PairRefusal};
+use crate::skew::{EndShifts, Shift, Skew};
 use crate::threshold::Thresholding;
 use crate::trellis::{self, Settled};
 use heapless::Vec;
@@ -56,6 +58,13 @@ impl Reading {
         Self { first_pixel, last_pixel, half_word }
     }
 
+    /// It as a layer of its line, to be fitted.
+    #[must_use]
+    pub fn layer<'a>(&self, line: &'a [u8], format: Format) -> FitLayer<'a> {
+        let Self { first_pixel, last_pixel, half_word } = *self;
+        FitLayer { line, first_pixel, last_pixel, stripes: fit::stripes(format, half_word) }
+    }
+
     /// Whether these pixels of the same line and the reading's have one in common.
     #[must_use]
     pub fn shares_a_pixel_with(&self, first_pixel: u16, last_pixel: u16) -> bool {
@@ -74,9 +83,20 @@ pub struct FitSummary {
     pub variance: u32,
     /// The decision margin (`ACCEPT-8`).
     pub margin: Squares,
+    /// The light that the fit was made under.
+    pub illumination: Illumination,
 }
 
-/// A landmark that was found.
+/// The fit of a layer alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LayerFit {
+    /// What the layer's own row saw.
+    pub homography: Homography,
+    /// What the fit says besides.
+    pub fit: FitSummary,
+}
+
+/// A landmark that was found, as it is seen at the upper row's time (`SKEW-8`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Detection {
     /// Its format.
@@ -89,10 +109,14 @@ pub struct Detection {
     pub upper: Reading,
     /// The lower layer.
     pub lower: Reading,
-    /// The fitted homography, or the mean of both layers' ones if there is no fit.
+    /// The fitted homography, of a moving camera the upper layer's, or the merged one if there is no fit.
     pub homography: Homography,
     /// What the fit says besides; none by `ACCEPT-10`.
     pub fit: Option<FitSummary>,
+    /// The lower layer's own fit where the camera moved (`SKEW-7`).
+    pub lower_fit: Option<LayerFit>,
+    /// The merged homography of the transitions (`MERGE-4`, `SKEW-8`), if a threshold decoded it.
+    pub transitions: Option<Homography>,
     /// The camera's pose: the mean of `COV-2`, or `POSE` of the merged homography.
     pub camera_in_landmark: Pose<frame::Landmark, frame::Camera>,
     /// The covariance of this pose (`COV-3`, `COV-5`).
@@ -137,17 +161,27 @@ impl<'a, O: Observer> Merger<'a, O> {
     /// Pairs the layers of the format, in the order of `MERGE-6` (`MERGE-1` to `MERGE-5`), and decides the candidates.
     pub fn merge(&mut self, upper: &[DecodedLayer], lower: &[DecodedLayer]) {
         for upper in upper {
-            for lower in lower.iter().filter(|lower| belong_together(upper, lower)) {
+            let Some((shift, ends)) = self.shifts(&upper.homography) else { continue };
+            let (play, may_try_again) = (self.setting.skew.play, self.setting.skew.is_at_rest());
+            for lower in lower.iter().filter(|lower| belong_together(upper, lower, &ends, play)) {
                 let readings = [Reading::of(upper), Reading::of(lower)];
-                let homographies = [upper.homography, lower.homography];
+                let layers = [upper.homography, lower.homography];
                 let local = [upper, lower].iter().any(|layer| layer.thresholding == Thresholding::Local);
                 match self.candidate(Decoder::Threshold, readings) {
-                    Ok(candidate) => self.decide(&candidate, Evidence::Threshold { layers: homographies, local }),
-                    Err(PairRefusal::Crc) if local => self.try_again(readings, &homographies),
+                    Ok(candidate) => self.decide(&candidate, Evidence::Threshold { layers, shift, local }),
+                    Err(PairRefusal::Crc) if local && may_try_again => self.try_again(readings, &layers), // SKEW-9
                     Err(_) => {}
                 }
             }
         }
+    }
+
+    /// What the camera's motion does to an upper homography and its ends (`SKEW-2`, `SKEW-4`); `None` where it is paired with
+    /// nothing (`SKEW-3`).
+    fn shifts(&self, homography: &Homography) -> Option<(Shift, EndShifts)> {
+        let Setting { skew, camera, landmark, .. } = self.setting;
+        let shift = skew.shift(homography, camera, landmark)?;
+        Some((shift, shift.of_ends(homography)?))
     }
 
     /// Decides a pair of layers again under a step of light (`TRELLIS-9`), unless the format's pairs are used up
@@ -162,8 +196,12 @@ impl<'a, O: Observer> Merger<'a, O> {
         }
     }
 
-    /// Tries the pairs of extents of the format (`EXTENT-4` to `EXTENT-7`, `TRELLIS`) and decides the candidates.
+    /// Tries the pairs of extents of the format (`EXTENT-4` to `EXTENT-7`, `TRELLIS`) and decides the candidates; of a moving camera
+    /// there are none (`SKEW-9`).
     pub fn merge_extents(&mut self, upper: Shade<'_>, lower: Shade<'_>) {
+        if !self.setting.skew.is_at_rest() {
+            return;
+        }
         let format = self.setting.landmark.format;
         for (upper, lower) in extents(upper, lower, format) {
             if self.tried == MAX_EXTENTS {
@@ -229,10 +267,20 @@ impl<'a, O: Observer> Merger<'a, O> {
     }
 }
 
-/// Whether both ends of the ROIs differ by at most 3 px (`MERGE-1`).
-fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer) -> bool {
-    let (upper, lower) = (&upper.hypothesis, &lower.hypothesis);
-    upper.first_pixel.abs_diff(lower.first_pixel) <= 3 && upper.last_pixel.abs_diff(lower.last_pixel) <= 3
+/// Whether both ends of the ROIs differ by at most 3 px (`MERGE-1`), and a play, the upper one's being shifted (`SKEW-6`).
+fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer, ends: &EndShifts, play: u32) -> bool {
+    let pixels = |layer: &DecodedLayer| [layer.hypothesis.first_pixel, layer.hypothesis.last_pixel].map(i32::from);
+    let [upper, lower] = [upper, lower].map(pixels);
+    let limit = play.saturating_add(3);
+    ends.added(upper).into_iter().zip(lower).all(|(upper, lower)| upper.abs_diff(lower) <= limit)
+}
+
+/// The merged homography: the mean of both layers' (`MERGE-4`), of a moving camera with the upper one's `a`, the lower one being given
+/// less the shift (`SKEW-8`).
+#[must_use]
+pub fn merged(upper: &Homography, lower: &Homography, skew: &Skew) -> Homography {
+    let mean = mean(upper, lower);
+    if skew.is_at_rest() { mean } else { Homography { a: upper.a, ..mean } }
 }
 
 /// The mean of two homographies (`MERGE-4`). Rounding errors: 2^-21 px for `a` and `s`, 2^-31 for `k`.

@@ -134,15 +134,45 @@ pub fn robot_in_world(sighting: &Sighting, mounting: &Mounting) -> (Pose<World, 
     let [turned_x, turned_y] = rotated(position(pose), place.theta);
     let [mounted_x, mounted_y] = rotated(position(mounting), heading);
     let [place_x, place_y] = position(place);
-    let length = |value: i64| {
-        let limited = dropped(value, 16).clamp(i64::from(i32::MIN), i64::from(i32::MAX));
-        Length::from_bits(i32::try_from(limited).unwrap_or_default())
-    };
     let robot = Pose::new(length(place_x + turned_x - mounted_x), length(place_y + turned_y - mounted_y), heading);
     let [sin, cos] = sin_cos(place.theta);
-    let lever = |value: i64| i32::try_from(dropped(value, 10)).unwrap_or_default(); // within ±1.5 m, 30 fraction bits
     let by = [[cos, -sin, lever(mounted_y)], [sin, cos, lever(-mounted_x)]];
     (robot, carried(&sighting.covariance, by))
+}
+
+/// The sighting that says where a robot is in a landmark's frame: the camera's pose there, by its mounting, so that
+/// [`robot_in_world`] takes it back to the robot.
+///
+/// With the robot at `(p, θ)`, the camera is at `p + R(θ) m`, which turns with `θ` by `R(θ + π/2) m`, and its heading is `θ + μ`.
+/// Errors: 2^-25 m; of the covariance 2^-47 and 2^-29 of its largest entry. A position outside ±128 m saturates.
+#[must_use]
+pub fn of_robot(
+    place: &Pose<World, frame::Landmark>,
+    robot: &Pose<frame::Landmark, Robot>,
+    covariance: &PoseCovariance,
+    mounting: &Mounting,
+) -> Sighting {
+    let [robot_x, robot_y] = position(robot);
+    let [mounted_x, mounted_y] = rotated(position(mounting), robot.theta);
+    let one = 1 << 30;
+    Sighting {
+        place: *place,
+        landmark: Landmark::paper(), // whose dimensions a pose has no use for
+        pose: Pose::new(length(robot_x + mounted_x), length(robot_y + mounted_y), robot.theta + mounting.theta),
+        covariance: carried(covariance, [[one, 0, lever(-mounted_y)], [0, one, lever(mounted_x)]]),
+        seen: Seen::Pose,
+    }
+}
+
+/// A length of 40 fraction bits, limited to its format.
+fn length(value: i64) -> Length {
+    let limited = dropped(value, 16).clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+    Length::from_bits(i32::try_from(limited).unwrap_or_default())
+}
+
+/// A length within ±1.5 m, from 40 fraction bits to 30.
+fn lever(value: i64) -> i32 {
+    i32::try_from(dropped(value, 10)).unwrap_or_default()
 }
 
 /// A covariance through derivatives of x and y by x, y and θ, 30 fraction bits; θ stays.
@@ -158,12 +188,12 @@ fn carried(covariance: &PoseCovariance, [by_x, by_y]: [[i32; 3]; 2]) -> PoseCova
 }
 
 /// The position of a pose, metres with 40 fraction bits.
-fn position<Parent, Child>(pose: &Pose<Parent, Child>) -> [i64; 2] {
+pub(crate) fn position<Parent, Child>(pose: &Pose<Parent, Child>) -> [i64; 2] {
     [pose.x, pose.y].map(|length| i64::from(length.to_bits()) << 16)
 }
 
 /// A vector turned by an angle; error 2^-30 of it.
-fn rotated([x, y]: [i64; 2], angle: Angle) -> [i64; 2] {
+pub(crate) fn rotated([x, y]: [i64; 2], angle: Angle) -> [i64; 2] {
     let [sin, cos] = sin_cos(angle);
     [times(x, cos, 30) - times(y, sin, 30), times(x, sin, 30) + times(y, cos, 30)]
 }

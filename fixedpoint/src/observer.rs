@@ -3,14 +3,17 @@
 use crate::crossing::Crossing;
 use crate::decode::DecodedLayer;
 use crate::extents::Extent;
+use crate::filter::Outcome;
 use crate::fit::Fitted;
 use crate::hypotheses::Hypothesis;
 use crate::landmark::Format;
 use crate::merge::{Decoder, Detection, Reading};
-use crate::refusal::{CandidateRefusal, FitRefusal, HypothesisRefusal, LineRefusal, PairRefusal};
+use crate::refusal::{CandidateRefusal, FitRefusal, HypothesisRefusal, LineRefusal, PairRefusal, Untimely};
 use crate::regions::Regions;
 use crate::sampling::{Residual, Sample};
+use crate::skew::Skew;
 use crate::threshold::{Threshold, Thresholding};
+use crate::timeline::Observation;
 
 /// One of the two scan lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +31,11 @@ pub enum Layer {
 ///
 /// A pair of layers is reported and, if it has a payload, its fits; a pair of extents before it is tried, then its fits and,
 /// when its half words have settled, what they say; a pair of layers that is decided again (`TRELLIS-9`) likewise, after the
-/// refusal of its code word. A candidate of either that is refused says why after that.
+/// refusal of its code word. A candidate of either that is refused says why after that. Of a moving camera the fits of the upper layer
+/// come before those of the lower one (`SKEW-7`), and there are no pairs of extents and nothing is decided again (`SKEW-9`).
+///
+/// [`crate::localizer::Localizer::image`] reports the skew before, and after it the detections that it has no place for, in their
+/// order, and the observations, in that of their times.
 pub trait Observer {
     /// A line's global threshold.
     fn threshold(&mut self, _layer: Layer, _threshold: &Threshold) {}
@@ -83,6 +90,15 @@ pub trait Observer {
 
     /// A pair that `MERGE-7` refused, in the same order.
     fn ambiguous(&mut self, _detection: &Detection) {}
+
+    /// How the camera moved between both rows (`LOCATE-6`).
+    fn skew(&mut self, _skew: &Skew) {}
+
+    /// The site knows no pose of a detection (`LOCATE-2`).
+    fn unknown(&mut self, _detection: &Detection) {}
+
+    /// An observation was given to the timeline: what became of it, nothing yet if it waits for its reading (`TIME-4`).
+    fn observed(&mut self, _observation: &Observation, _outcome: Result<Option<Outcome>, Untimely>) {}
 }
 
 /// The observer that does not listen.

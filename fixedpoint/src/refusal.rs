@@ -184,6 +184,17 @@ pub enum LandmarkRefusal {
 
 sentences!(LandmarkRefusal { StripeWidth: "the stripe width is outside 0.5 to 20 mm" });
 
+/// Why an image was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageRefusal {
+    /// `EXPOSE-2`.
+    Capture,
+}
+
+sentences!(ImageRefusal {
+    Capture: "its capture takes no time, takes more than a second, or ends after its processing",
+});
+
 /// Why a drive's description was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveRefusal {
@@ -199,6 +210,54 @@ sentences!(DriveRefusal {
     Diameter: "the wheels' diameter is outside 5 to 250 mm",
     Axle: "the axle is outside 20 to 800 mm",
     Steps: "a turn of a wheel has fewer than 64 steps",
+});
+
+/// Why a grid's description was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpacingRefusal {
+    /// A step is 0.
+    Step,
+    /// The number of headings is outside 1 to 16 (`GRID-3`).
+    Headings,
+}
+
+sentences!(SpacingRefusal {
+    Step: "a step of the grid is 0",
+    Headings: "the grid's number of headings is outside 1 to 16",
+});
+
+/// Why a payload is no pose on a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GridRefusal {
+    /// It has more bits than the format.
+    TooLarge,
+    /// `GRID-6`.
+    Heading,
+    /// The place is not within the format of lengths.
+    Beyond,
+}
+
+sentences!(GridRefusal {
+    TooLarge: "the payload has more bits than the format",
+    Heading: "its code of the heading is not below the grid's number of headings",
+    Beyond: "its place is more than 128 m from the world's origin",
+});
+
+/// Why a reading or an observation was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Untimely {
+    /// `TIME-7` and `TIME-9`.
+    Late,
+    /// `TIME-8`.
+    Duplicate,
+    /// `TIME-9`.
+    Full,
+}
+
+sentences!(Untimely {
+    Late: "its time is not after what is settled",
+    Duplicate: "another one of its time is in the queue, of the same landmark and image if it is an observation",
+    Full: "the queue has no room, and nothing in it can be settled",
 });
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::ink::Edges;
 use crate::landmark::Format;
 use crate::light::{Limited, LitLayer};
 
-/// Sums of products of two residuals, over both layers, in 2^-16 squared grey levels.
+/// Sums of products of two residuals, over one layer or both, in 2^-16 squared grey levels.
 ///
 /// A residual is within ±1788 grey levels, that of [`crate::light::Seen`]'s excess and gain, so that a sum over twice 640 px
 /// is within ±2^48.
@@ -15,7 +15,7 @@ pub struct Correlations {
     pub neighbours: i64,
     /// Over the pairs with one pixel between them, whether that was fitted or not.
     pub one_between: i64,
-    /// `n`, how many pixels were fitted in both layers, at most 1280.
+    /// `n`, how many pixels were fitted in these, at most 1280.
     pub pixels: u16,
 }
 
@@ -29,12 +29,12 @@ impl Correlations {
     }
 }
 
-/// The correlations of what both layers leave unexplained (`ACCEPT-15`), over the pixels that were fitted: those of the
+/// The correlations of what one layer or both leave unexplained (`ACCEPT-15`), over the pixels that were fitted: those of the
 /// window (`FIT-1`) that are neither limited (`FIT-5`) nor that of the step of light (`FIT-4`).
 ///
 /// The sums are exact in the residuals; the errors of these are those of [`crate::light::Seen`] and of the ink.
 #[must_use]
-pub fn correlations(format: Format, edges: &Edges, layers: &[FitLayer<'_>; 2], lights: &[LayerLight]) -> Correlations {
+pub fn correlations(format: Format, edges: &Edges, layers: &[FitLayer<'_>], lights: &[LayerLight]) -> Correlations {
     let mut sums = Correlations::default();
     for (layer, light) in layers.iter().zip(lights) {
         let lit = LitLayer::new(layer, format, light);

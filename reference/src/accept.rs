@@ -12,6 +12,7 @@ use crate::observer::Observer;
 use crate::pose::pose;
 use crate::quiet_zone::obstruction;
 use crate::refusal::CandidateRefusal;
+use crate::skew::{Ends, Skew};
 use crate::threshold::Thresholding;
 use crate::trellis::weights;
 use crate::whiteness::correlations;
@@ -81,7 +82,7 @@ pub struct Test {
 }
 
 impl Test {
-    fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.value <= self.limit
     }
 
@@ -114,6 +115,10 @@ pub struct Accepted {
     pub homography: Homography,
     /// The fit, `None` for the paper's estimate.
     pub fit: Option<AcceptedFit>,
+    /// The lower layer's own fit where the camera moved; the other one is the upper layer's then (SKEW-7).
+    pub lower: Option<Fitted>,
+    /// The merged homography of the transitions (MERGE-4), `None` where no threshold decoded them.
+    pub transitions: Option<Homography>,
     /// The pose and its covariance.
     pub pose: UncertainPose,
 }
@@ -129,17 +134,36 @@ pub struct View<'a> {
     pub landmark: &'a Landmark,
     /// Where transitions lie.
     pub rule: CrossingRule,
+    /// How the camera moved from the upper line to the lower one.
+    pub skew: Skew,
 }
 
-/// Decides on two decoded layers that make a code word (ACCEPT-1 to ACCEPT-12).
+impl View<'_> {
+    /// What the lower line's `(a, s, k)` are more than these (SKEW-2); `None` where SKEW-3 pairs nothing.
+    #[must_use]
+    pub fn shift(&self, homography: &Homography) -> Option<Homography> {
+        self.skew.shift(homography, self.camera, self.landmark)
+    }
+
+    /// How far the lower line's ends of a barcode are from the upper one's (SKEW-4); `None` where SKEW-3 pairs nothing.
+    #[must_use]
+    pub fn ends(&self, homography: &Homography) -> Option<Ends> {
+        self.shift(homography).map(|shift| Ends::of(homography, &homography.plus(&shift)))
+    }
+}
+
+/// Decides on two decoded layers that make a code word (ACCEPT-1 to ACCEPT-12, SKEW-6 to SKEW-8).
 pub fn accept<O: Observer>(
     layers: [&DecodedLayer; 2],
     view: &View<'_>,
     observer: &mut O,
 ) -> Result<Accepted, CandidateRefusal> {
     let [upper, lower] = layers.map(|layer| layer.homography);
-    let merged = upper.mean(&lower);
-    first_failure(&agreement(&upper, &lower, &merged, pixels_apart(layers, view.rule)), observer)?;
+    // Paired layers are carried (SKEW-3).
+    let lower = lower.minus(&view.shift(&upper).unwrap_or(Homography::NONE));
+    let merged = view.skew.merged(&upper, &lower);
+    let play = f64::from(view.skew.play());
+    first_failure(&agreement(&upper, &lower, &merged, pixels_apart(layers, view.rule), play), observer)?;
     let colours = layers.map(|layer| stripes(view.landmark.format, layer.half_word));
     let fitted_layers = [0, 1].map(|i| FitLayer {
         line: view.lines[i],
@@ -147,8 +171,15 @@ pub fn accept<O: Observer>(
         last_pixel: layers[i].hypothesis.last_pixel,
         stripes: &colours[i],
     });
-    match best_fit(&fitted_layers, &merged, view, observer) {
-        Some(fitted) => accept_fit(&fitted_layers, fitted, Decoder::Threshold, view, observer),
+    let accepted = if view.skew.moves() {
+        moving_fits(&fitted_layers, layers, view, observer)
+            .map(|fits| accept_moving(&fitted_layers, fits, view, observer))
+    } else {
+        best_fit(&fitted_layers, &merged, view, observer)
+            .map(|fitted| accept_fit(&fitted_layers, fitted, Decoder::Threshold, view, observer))
+    };
+    match accepted {
+        Some(accepted) => accepted.map(|accepted| Accepted { transitions: Some(merged), ..accepted }),
         None if is_local(layers) => Err(CandidateRefusal::NoFit),
         None => first_failure(&[visibility(&merged, view.camera)], observer).map(|()| unfitted(&merged, view)),
     }
@@ -165,11 +196,11 @@ fn pixels_apart(layers: [&DecodedLayer; 2], rule: CrossingRule) -> f64 {
     [whole, is_local(layers)].iter().fold(1.0, |pixels, &more| if more { pixels + 1.0 } else { pixels })
 }
 
-/// ACCEPT-2
-fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, pixels: f64) -> [Test; 3] {
+/// ACCEPT-2, with the play of a moving camera (SKEW-6).
+fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, pixels: f64, play: f64) -> [Test; 3] {
     let test = |value: f64, limit| Test { refusal: CandidateRefusal::Disagree, value: value.abs(), limit };
     [
-        test(upper.a - lower.a, pixels),
+        test(upper.a - lower.a, pixels + play),
         test(upper.s - lower.s, pixels),
         test((upper.k - lower.k) * merged.s, merged.s / 20.0 + pixels),
     ]
@@ -177,12 +208,12 @@ fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, pixels
 
 /// The fit under even light, or under a step of light if that does not explain the pixels (ACCEPT-1).
 fn best_fit<O: Observer>(
-    layers: &[FitLayer<'_>; 2],
-    merged: &Homography,
+    layers: &[FitLayer<'_>],
+    start: &Homography,
     view: &View<'_>,
     observer: &mut O,
 ) -> Option<Fitted> {
-    let start = Imaging { homography: *merged, blur: START_BLUR };
+    let start = Imaging { homography: *start, blur: START_BLUR };
     let mut under = |illumination: Illumination| {
         let fitted = fit(layers, &start, illumination, view.camera, view.landmark.format);
         observer.fitted(fitted.as_ref().map_err(|refusal| *refusal));
@@ -216,7 +247,7 @@ fn blackness(fitted: &Fitted) -> Vec<Test> {
 }
 
 /// By how much the model of a limited pixel is within 0 to 255 at the most, grey levels (ACCEPT-13).
-fn limited_excess(layers: &[FitLayer<'_>; 2], fitted: &Fitted, view: &View<'_>) -> f64 {
+fn limited_excess(layers: &[FitLayer<'_>], fitted: &Fitted, view: &View<'_>) -> f64 {
     let format = view.landmark.format;
     let excesses = layers.iter().zip(&fitted.lights).flat_map(|(layer, light)| {
         let window = Window::of(layer.first_pixel, layer.last_pixel, format, layer.line.len());
@@ -241,34 +272,76 @@ pub fn accept_fit<O: Observer>(
     view: &View<'_>,
     observer: &mut O,
 ) -> Result<Accepted, CandidateRefusal> {
+    let margin = asked(layers, &fitted, decoder, view, observer)?;
+    let homography = fitted.imaging.homography;
+    let pose = transform(&homography, &fitted.covariance, view.camera, view.landmark);
+    Ok(Accepted { homography, fit: Some(AcceptedFit { fitted, margin }), lower: None, transitions: None, pose })
+}
+
+/// The fits of both layers of a moving camera, each alone (SKEW-7).
+fn moving_fits<O: Observer>(
+    layers: &[FitLayer<'_>; 2],
+    decoded: [&DecodedLayer; 2],
+    view: &View<'_>,
+    observer: &mut O,
+) -> Option<[Fitted; 2]> {
+    let [upper, lower] = [0, 1].map(|i| best_fit(&layers[i..=i], &decoded[i].homography, view, observer));
+    Some([upper?, lower?])
+}
+
+/// Decides on the fits of both layers of a moving camera (SKEW-7, SKEW-8).
+fn accept_moving<O: Observer>(
+    layers: &[FitLayer<'_>; 2],
+    [upper, lower]: [Fitted; 2],
+    view: &View<'_>,
+    observer: &mut O,
+) -> Result<Accepted, CandidateRefusal> {
+    let gains = [&upper, &lower].map(|fitted| -mean_gain(&fitted.lights));
+    let (least, most) = (gains[0].min(gains[1]), gains[0].max(gains[1]));
+    let ratio = Test { refusal: CandidateRefusal::Contrast, value: most, limit: MAX_GAIN_RATIO * least };
+    first_failure(&[ratio], observer)?;
+    let above = asked(&layers[..1], &upper, Decoder::Threshold, view, observer)?;
+    let below = asked(&layers[1..], &lower, Decoder::Threshold, view, observer)?;
+    let homography = upper.imaging.homography;
+    let pose = transform(&homography, &upper.covariance, view.camera, view.landmark);
+    let fit = AcceptedFit { fitted: upper, margin: above.min(below) };
+    Ok(Accepted { homography, fit: Some(fit), lower: Some(lower), transitions: None, pose })
+}
+
+/// The decision margin of a fit that passes all tests (ACCEPT-3 to ACCEPT-9, ACCEPT-12 to ACCEPT-17).
+fn asked<O: Observer>(
+    layers: &[FitLayer<'_>],
+    fitted: &Fitted,
+    decoder: Decoder,
+    view: &View<'_>,
+    observer: &mut O,
+) -> Result<f64, CandidateRefusal> {
     let limits = Limits::of(decoder);
     let format = view.landmark.format;
-    let margin = margin(layers, &fitted, view.camera, format);
-    let correlation = correlations(layers, &fitted, view.camera, format).largest();
-    let obstruction = obstruction(layers, &fitted, view.camera, format);
+    let margin = margin(layers, fitted, view.camera, format);
+    let correlation = correlations(layers, fitted, view.camera, format).largest();
+    let obstruction = obstruction(layers, fitted, view.camera, format);
     let homography = fitted.imaging.homography;
     let gain = mean_gain(&fitted.lights);
-    let variance = limits.variance(&fitted);
+    let variance = limits.variance(fitted);
     let test = |refusal, value, limit| Test { refusal, value, limit };
     let mut tests = vec![visibility(&homography, view.camera)];
-    tests.extend(contrast(&fitted));
-    tests.extend(blackness(&fitted));
+    tests.extend(contrast(fitted));
+    tests.extend(blackness(fitted));
     tests.extend([
         test(CandidateRefusal::Blur, fitted.imaging.blur, limits.blur),
         test(CandidateRefusal::Misfit, fitted.variance, variance),
-        test(CandidateRefusal::Misfit, limited_excess(layers, &fitted, view), 2.0 * variance.sqrt()),
+        test(CandidateRefusal::Misfit, limited_excess(layers, fitted, view), 2.0 * variance.sqrt()),
         test(CandidateRefusal::Correlated, correlation, MAX_CORRELATION * variance),
         test(CandidateRefusal::QuietZone, obstruction, gain.abs() / 2.0),
         test(CandidateRefusal::Margin, limits.margin * gain * gain, margin),
         determination(&homography, &fitted.covariance, view.camera),
     ]);
-    first_failure(&tests, observer)?;
-    let pose = transform(&homography, &fitted.covariance, view.camera, view.landmark);
-    Ok(Accepted { homography, fit: Some(AcceptedFit { fitted, margin }), pose })
+    first_failure(&tests, observer).map(|()| margin)
 }
 
 /// Whether a Gaussian can say how uncertain the heading is (COV-4).
-fn determination(homography: &Homography, covariance: &Matrix3<f64>, camera: &Camera) -> Test {
+pub(crate) fn determination(homography: &Homography, covariance: &Matrix3<f64>, camera: &Camera) -> Test {
     let value = camera.focal_length * covariance[(2, 2)].sqrt();
     Test { refusal: CandidateRefusal::Undetermined, value, limit: homography.s / 4.0 }
 }
@@ -277,7 +350,8 @@ fn determination(homography: &Homography, covariance: &Matrix3<f64>, camera: &Ca
 fn unfitted(merged: &Homography, view: &View<'_>) -> Accepted {
     let camera_in_landmark = pose(merged, view.camera, view.landmark);
     let covariance = paper(&camera_in_landmark, view.camera);
-    Accepted { homography: *merged, fit: None, pose: UncertainPose { camera_in_landmark, covariance } }
+    let pose = UncertainPose { camera_in_landmark, covariance };
+    Accepted { homography: *merged, fit: None, lower: None, transitions: Some(*merged), pose }
 }
 
 /// The decision margin of a fit, squared grey levels (ACCEPT-8).
@@ -394,7 +468,7 @@ pub(crate) mod tests {
         change(&mut seen.lines, &mut seen.colours, &mut seen.fitted);
         let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
         let lines = [&seen.lines[0][..], &seen.lines[1][..]];
-        let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated };
+        let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated, skew: Skew::at_rest() };
         accept_fit(&seen.layers(), seen.fitted.clone(), decoder, &view, &mut Silent).map(|_| ())
     }
 
@@ -475,7 +549,8 @@ pub(crate) mod tests {
         let start = Imaging { homography, blur: 0.8 };
         let fitted = fit(&layers, &start, Illumination::Even, &camera, Format::Paper).unwrap();
         let rule = CrossingRule::Interpolated;
-        let view = View { lines: [&lines[0], &lines[1]], camera: &camera, landmark: &landmark, rule };
+        let view =
+            View { lines: [&lines[0], &lines[1]], camera: &camera, landmark: &landmark, rule, skew: Skew::at_rest() };
         let judged = accept_fit(&layers, fitted, Decoder::Trellis, &view, &mut Silent).map(|_| ());
         assert_eq!(judged, Err(CandidateRefusal::Margin));
     }
@@ -502,7 +577,7 @@ pub(crate) mod tests {
         let h = Homography { a: 10.0, s: 30.0, k: 0.1 };
         let agree = |da: f64, ds: f64, dk: f64, pixels: f64| {
             let other = Homography { a: h.a + da, s: h.s + ds, k: h.k + dk };
-            first_failure(&agreement(&h, &other, &h, pixels), &mut Silent).is_ok()
+            first_failure(&agreement(&h, &other, &h, pixels, 0.0), &mut Silent).is_ok()
         };
         let (fine, paper) = (1.0, 2.0);
         assert!(agree(0.99, -0.99, 0.08, fine) && !agree(1.01, 0.0, 0.0, fine) && !agree(0.0, 1.01, 0.0, fine));
@@ -519,7 +594,8 @@ pub(crate) mod tests {
             seen.lines.clone().map(|line| line.iter().map(|&value| if value > 120 { 255 } else { 0 }).collect());
         let [upper, lower]: [Vec<u8>; 2] = lines;
         let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
-        let view = View { lines: [&upper, &lower], camera, landmark, rule: CrossingRule::Interpolated };
+        let view =
+            View { lines: [&upper, &lower], camera, landmark, rule: CrossingRule::Interpolated, skew: Skew::at_rest() };
         let homography = Homography { a: 0.0, s: 32.0, k: 0.01 };
         let decided = |thresholding| {
             let layer = |i: usize| DecodedLayer {

@@ -12,6 +12,7 @@ use crate::observer::{Layer, Observer};
 use crate::refusal::LineRefusal;
 use crate::regions::{Region, regions};
 use crate::sampling::Roi;
+use crate::skew::Skew;
 use crate::threshold::{Threshold, Thresholded, Thresholding, threshold};
 
 /// The landmarks in two scan lines, looked for in the formats of `landmarks` (LINE-1 to LINE-5, MERGE-8). A format that
@@ -24,6 +25,19 @@ pub fn detect<O: Observer>(
     rule: CrossingRule,
     observer: &mut O,
 ) -> Vec<Detection> {
+    detect_moving(upper, lower, camera, landmarks, rule, &Skew::at_rest(), observer)
+}
+
+/// The landmarks in two scan lines between whose exposures the camera moves (SKEW); otherwise as [`detect`].
+pub fn detect_moving<O: Observer>(
+    upper: &[u8],
+    lower: &[u8],
+    camera: &Camera,
+    landmarks: &[Landmark],
+    rule: CrossingRule,
+    skew: &Skew,
+    observer: &mut O,
+) -> Vec<Detection> {
     let mut asked: Vec<Landmark> = Vec::new();
     for landmark in landmarks {
         if asked.iter().all(|before| before.format != landmark.format) {
@@ -34,7 +48,7 @@ pub fn detect<O: Observer>(
     let (above, below) = (search.line(Layer::Upper, upper), search.line(Layer::Lower, lower));
     let mut detections = Vec::new();
     for (i, landmark) in asked.iter().enumerate() {
-        let view = View { lines: [upper, lower], camera, landmark, rule };
+        let view = View { lines: [upper, lower], camera, landmark, rule, skew: *skew };
         let tried = merge(&above.found[i].layers, &below.found[i].layers, &view, &mut detections, observer);
         let [dark_above, dark_below] = [above.extents(upper, landmark.format), below.extents(lower, landmark.format)];
         merge_extents(&dark_above, &dark_below, &view, &mut detections, tried, observer);

@@ -27,7 +27,7 @@ pub enum Outcome {
     },
     /// It was not, and is remembered as where the robot might be instead.
     Gated {
-        /// Its NIS; `None` where the landmark is behind the camera.
+        /// Its NIS; `None` where the landmark is behind the camera, or the linearisations have not settled.
         nis: Option<f64>,
     },
     /// It was not, but agreed with one of another image, and the filter begins again where they say.
@@ -39,7 +39,7 @@ pub enum Outcome {
 pub struct Counts {
     /// Used ones.
     pub used: u64,
-    /// Others.
+    /// Others that led to no recovery.
     pub gated: u64,
     /// Recoveries.
     pub recovered: u64,
@@ -110,10 +110,7 @@ impl Filter {
                 self.counts.used += 1;
                 Outcome::Used { nis: update.nis }
             }
-            _ => {
-                self.counts.gated += 1;
-                self.consider(sighting, image, nis)
-            }
+            _ => self.consider(sighting, image, nis),
         }
     }
 
@@ -127,6 +124,7 @@ impl Filter {
         let candidate = agreeing.unwrap_or_else(|| self.estimate.replaced(sighting, image));
         if candidate.images < AGREEING {
             self.candidate = Some(candidate);
+            self.counts.gated += 1;
             return Outcome::Gated { nis };
         }
         self.estimate = candidate.estimate;
@@ -149,7 +147,8 @@ impl Estimate {
     }
 
     /// The estimate after an observation: linearised where it leads, until that settles (FILTER-2 to FILTER-5); `None` if
-    /// the landmark is not in front of the camera there, or the innovation's covariance is not positive definite.
+    /// it does not settle, if the landmark is not in front of the camera on the way, or if the innovation's covariance is not
+    /// positive definite.
     fn updated(&self, sighting: &Sighting, drive: &Drive) -> Option<Update> {
         let coarse = motion::step_noise(&self.state, drive);
         let mut state = self.state;
@@ -164,13 +163,16 @@ impl Estimate {
             let next = moved(&self.state, &(gain * innovation));
             let step = difference(&next, &state);
             state = next;
-            if round == ROUNDS || step[0].abs() + step[1].abs() < SETTLED && step[2].abs() < SETTLED {
+            if step[0].abs() + step[1].abs() < SETTLED && step[2].abs() < SETTLED {
                 // Joseph's form: positive semidefinite whatever the gain.
                 let kept = StateCovariance::identity() - gain * h;
                 let covariance = kept * self.covariance * kept.transpose() + gain * noise * gain.transpose();
                 let covariance = (covariance + covariance.transpose()) * 0.5;
                 let nis = innovation.dot(&(inverse * innovation));
                 return Some(Update { estimate: Self { state, covariance }, nis });
+            }
+            if round == ROUNDS {
+                return None;
             }
             round += 1;
         }
@@ -312,7 +314,7 @@ mod tests {
         assert_eq!(filter.observe(&sighting(&truth, &mut rng), 8), Outcome::Recovered);
         let error = difference(&filter.estimate().state, &truth);
         assert!(error[0].hypot(error[1]) < 0.01 && error[2].abs() < 0.03, "{error}");
-        assert_eq!(filter.counts(), Counts { used: 0, gated: 3, recovered: 1 });
+        assert_eq!(filter.counts(), Counts { used: 0, gated: 2, recovered: 1 });
     }
 
     #[test]

@@ -19,6 +19,9 @@ pub struct Homography {
 }
 
 impl Homography {
+    /// The difference of a homography from itself.
+    pub const NONE: Self = Self { a: 0.0, s: 0.0, k: 0.0 };
+
     /// Column of the normalised barcode coordinate `t`, pixels.
     #[must_use]
     pub fn column(&self, t: f64) -> f64 {
@@ -47,6 +50,18 @@ impl Homography {
     #[must_use]
     pub fn shifted(&self, origin: f64) -> Self {
         Self { a: self.a + origin, s: self.s + origin * self.k, k: self.k }
+    }
+
+    /// The sum of a homography and a difference of such, parameter by parameter (SKEW-2).
+    #[must_use]
+    pub fn plus(&self, difference: &Self) -> Self {
+        Self { a: self.a + difference.a, s: self.s + difference.s, k: self.k + difference.k }
+    }
+
+    /// The difference of two homographies, parameter by parameter (SKEW-6).
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        Self { a: self.a - other.a, s: self.s - other.s, k: self.k - other.k }
     }
 
     /// MERGE-4

@@ -4,12 +4,13 @@ use crate::accept::{Accepted, AcceptedFit, View, accept, accept_fit};
 use crate::codeword;
 use crate::decode::DecodedLayer;
 use crate::extents::{Extent, MAX_PAIRS, Pair, extents};
-use crate::fit::FitLayer;
+use crate::fit::{FitLayer, Fitted};
 use crate::frame::{self, Pose};
 use crate::homography::Homography;
 use crate::landmark::{Format, stripes};
 use crate::observer::Observer;
 use crate::refusal::{CandidateRefusal, PairRefusal};
+use crate::skew::Ends;
 use crate::threshold::Thresholding;
 use crate::trellis::{self, Settled};
 use nalgebra::Matrix3;
@@ -81,10 +82,14 @@ pub struct Detection {
     pub upper: Reading,
     /// The lower layer.
     pub lower: Reading,
-    /// The fitted homography, or the merged one (MERGE-4).
+    /// The fitted homography, or the merged one (MERGE-4); of a moving camera at the upper row's time (SKEW-8).
     pub homography: Homography,
     /// The fit, `None` for the paper's estimate (ACCEPT-10).
     pub fit: Option<AcceptedFit>,
+    /// The lower layer's own fit where the camera moved; the other one is the upper layer's then (SKEW-7).
+    pub lower_fit: Option<Fitted>,
+    /// The merged homography of its transitions (MERGE-4), `None` where no threshold decoded it.
+    pub transitions: Option<Homography>,
     /// The camera's pose in the landmark's frame (COV-4).
     pub camera_in_landmark: Pose<frame::Landmark, frame::Camera>,
     /// The covariance of its `(x, y, θ)`, metres and radians squared (COV-4, COV-5).
@@ -120,7 +125,7 @@ impl Candidate {
         let room = detections.len() < MAX_DETECTIONS;
         match result.and_then(|accepted| if room { Ok(accepted) } else { Err(CandidateRefusal::TooMany) }) {
             Err(refusal) => observer.candidate_refused(format, decoder, refusal),
-            Ok(Accepted { homography, fit, pose }) => {
+            Ok(Accepted { homography, fit, lower: lower_fit, transitions, pose }) => {
                 let (camera_in_landmark, covariance) = (pose.camera_in_landmark, pose.covariance);
                 detections.push(Detection {
                     format,
@@ -130,6 +135,8 @@ impl Candidate {
                     lower,
                     homography,
                     fit,
+                    lower_fit,
+                    transitions,
                     camera_in_landmark,
                     covariance,
                 });
@@ -138,11 +145,11 @@ impl Candidate {
     }
 }
 
-/// MERGE-1
+/// MERGE-1, with the shifts of the upper layer's ends and the play of a moving camera (SKEW-6).
 #[must_use]
-pub fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer) -> bool {
-    let (u, l) = (&upper.hypothesis, &lower.hypothesis);
-    u.first_pixel.abs_diff(l.first_pixel) <= MERGE_DISTANCE && u.last_pixel.abs_diff(l.last_pixel) <= MERGE_DISTANCE
+pub fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer, ends: &Ends, play: u32) -> bool {
+    let of = |layer: &DecodedLayer| (layer.hypothesis.first_pixel, layer.hypothesis.last_pixel);
+    ends.join(of(upper), of(lower), MERGE_DISTANCE + play as usize)
 }
 
 /// Pairs the layers of one format, which come in the order of MERGE-6, and adds what they say to the
@@ -158,7 +165,8 @@ pub fn merge<O: Observer>(
     let (format, decoder) = (view.landmark.format, Decoder::Threshold);
     let mut tried = 0;
     for one in upper {
-        for other in lower.iter().filter(|other| belong_together(one, other)) {
+        let Some(ends) = view.ends(&one.homography) else { continue };
+        for other in lower.iter().filter(|other| belong_together(one, other, &ends, view.skew.play())) {
             // MERGE-2, MERGE-3
             let result = codeword::decode(format, one.half_word, other.half_word);
             let (upper, lower) = (Reading::of_layer(one), Reading::of_layer(other));
@@ -166,7 +174,11 @@ pub fn merge<O: Observer>(
             if let Ok(payload) = result {
                 let accepted = accept([one, other], view, observer);
                 Candidate { format, payload, decoder, upper, lower }.conclude(accepted, detections, observer);
-            } else if result == Err(PairRefusal::Crc) && tried < MAX_PAIRS && shadowed([one, other]) {
+            } else if result == Err(PairRefusal::Crc)
+                && tried < MAX_PAIRS
+                && shadowed([one, other])
+                && !view.skew.moves()
+            {
                 tried += 1;
                 let pair = [upper.extent(), lower.extent()];
                 let half_words = [upper.half_word, lower.half_word];
@@ -225,6 +237,10 @@ pub fn merge_extents<O: Observer>(
     observer: &mut O,
 ) {
     let format = view.landmark.format;
+    // SKEW-9
+    if view.skew.moves() {
+        return;
+    }
     for pair in extents(upper, lower) {
         // EXTENT-5
         let taken = |found: &Detection| {
@@ -271,6 +287,7 @@ mod tests {
     use crate::hypotheses::Hypothesis;
     use crate::landmark::Landmark;
     use crate::observer::Silent;
+    use crate::skew::Skew;
     use crate::threshold::Thresholding;
 
     fn layer(first_pixel: usize, last_pixel: usize, half_word: u32) -> DecodedLayer {
@@ -282,15 +299,17 @@ mod tests {
     #[test]
     fn both_ends_must_be_within_three_pixels() {
         let upper = layer(100, 160, 0);
-        assert!(belong_together(&upper, &layer(103, 157, 0)) && belong_together(&upper, &layer(97, 163, 0)));
-        assert!(!belong_together(&upper, &layer(104, 160, 0)) && !belong_together(&upper, &layer(100, 156, 0)));
+        let near = |lower: &DecodedLayer| belong_together(&upper, lower, &Ends::default(), 0);
+        assert!(near(&layer(103, 157, 0)) && near(&layer(97, 163, 0)));
+        assert!(!near(&layer(104, 160, 0)) && !near(&layer(100, 156, 0)));
     }
 
     fn merged(upper: &DecodedLayer, lower: &DecodedLayer) -> Vec<Detection> {
         let mut found = Vec::new();
         let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
         // Lines without a grey pixel cannot be fitted (FIT-5).
-        let view = View { lines: [&[255; 480]; 2], camera, landmark, rule: CrossingRule::WholePixel };
+        let view =
+            View { lines: [&[255; 480]; 2], camera, landmark, rule: CrossingRule::WholePixel, skew: Skew::at_rest() };
         merge(&[*upper], &[*lower], &view, &mut found, &mut Silent);
         found
     }
@@ -317,6 +336,8 @@ mod tests {
             upper: Reading { first_pixel: upper.0, last_pixel: upper.1, half_word: 0 },
             lower: Reading { first_pixel: lower.0, last_pixel: lower.1, half_word: 0 },
             homography: Homography { a: 1.0, s: 20.0, k: 0.02 },
+            lower_fit: None,
+            transitions: None,
             fit: None,
             camera_in_landmark: Pose::new(0.3, 0.0, 0.0),
             covariance: Matrix3::identity(),

@@ -140,12 +140,23 @@ impl Moved {
 pub fn predict(state: &State, covariance: &StateCovariance, ways: &Ways, drive: &Drive) -> (State, StateCovariance) {
     let turned = Turned::of(ways, drive, state);
     let moved = Moved::of(&turned, state.pose.theta(), drive.model);
-    let [dx, dy] = moved.displacement;
-    let pose = Pose::new(state.pose.x() + dx, state.pose.y() + dy, wrap(state.pose.theta() + turned.turn));
     let (f, g) = derivatives(&turned, &moved);
     let ways = SVector::<f64, 2>::new(ways.left.abs(), ways.right.abs()) * drive.slip;
     let spread = f * covariance * f.transpose() + g * Matrix2::from_diagonal(&ways) * g.transpose();
-    (State { pose, ..*state }, symmetric(&spread))
+    (arrive(state, &turned, &moved), symmetric(&spread))
+}
+
+/// The state after the wheels' ways (MOTION-2 to MOTION-4).
+#[must_use]
+pub fn advance(state: &State, ways: &Ways, drive: &Drive) -> State {
+    let turned = Turned::of(ways, drive, state);
+    arrive(state, &turned, &Moved::of(&turned, state.pose.theta(), drive.model))
+}
+
+fn arrive(state: &State, turned: &Turned, moved: &Moved) -> State {
+    let [dx, dy] = moved.displacement;
+    let pose = Pose::new(state.pose.x() + dx, state.pose.y() + dy, wrap(state.pose.theta() + turned.turn));
+    State { pose, ..*state }
 }
 
 /// The covariance of the pose that follows from how coarse a step is (MOTION-7), for a state after these ways.

@@ -4,6 +4,7 @@ use crate::accept::Test;
 use crate::crossing::Crossing;
 use crate::decode::DecodedLayer;
 use crate::extents::Pair;
+use crate::filter::Outcome;
 use crate::fit::Fitted;
 use crate::homography::Homography;
 use crate::hypotheses::Hypothesis;
@@ -12,7 +13,9 @@ use crate::merge::{Decoder, Detection, Reading};
 use crate::refusal::{CandidateRefusal, FitRefusal, HypothesisRefusal, LineRefusal, PairRefusal};
 use crate::regions::Region;
 use crate::sampling::{Residual, Sample};
+use crate::skew::Skew;
 use crate::threshold::{Threshold, Thresholding};
+use crate::timeline::{Observation, Untimely};
 
 /// One of the two scan lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,6 +72,12 @@ pub trait Observer {
     fn detection(&mut self, detection: &Detection) {}
     /// A detection that MERGE-7 withdraws.
     fn ambiguous(&mut self, detection: &Detection) {}
+    /// How the camera moved while an image was exposed.
+    fn skew(&mut self, skew: &Skew) {}
+    /// A detection of which the site knows no pose.
+    fn unknown(&mut self, detection: &Detection) {}
+    /// What became of an observation of an image.
+    fn observed(&mut self, observation: &Observation, result: Result<Option<Outcome>, Untimely>) {}
 }
 
 /// An observer that hears nothing.

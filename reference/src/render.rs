@@ -119,7 +119,7 @@ impl Default for Sensor {
 /// is 0. `camera` is one that CAM-7 allows. A payload without a code word is refused, whether it is in view or not.
 pub fn render<R: Rng + ?Sized>(camera: &Camera, scene: &Scene, rng: &mut R) -> Result<[Vec<u8>; 2], EncodeRefusal> {
     let lines = render_radiance(camera, scene)?;
-    Ok(lines.map(|line| line.into_iter().map(|grey| digitise(grey, scene.sensor.noise, rng)).collect()))
+    Ok(lines.map(|line| digitise(&line, scene.sensor.noise, rng)))
 }
 
 /// The grey levels of both scan lines before noise, rounding and limiting (RENDER-1 to RENDER-4, RENDER-7).
@@ -128,25 +128,42 @@ pub fn render<R: Rng + ?Sized>(camera: &Camera, scene: &Scene, rng: &mut R) -> R
 /// the row; light and share are those of the pixel's middle. A landmark is drawn whole or not at all: not if it is
 /// seen from behind, or if one of its edges is not in front of the camera. The same goes for clutter and its edges.
 pub fn render_radiance(camera: &Camera, scene: &Scene) -> Result<[Vec<f64>; 2], EncodeRefusal> {
-    let ink = ink(camera, scene)?;
-    let shade = |(i, ink): (usize, f64)| scene.light.grey(ink.clamp(0.0, 1.0), i, camera.width);
-    Ok(ink.map(|line| line.into_iter().enumerate().map(shade).collect()))
+    let ink = ink(camera, scene, [camera.upper_row, camera.lower_row])?;
+    Ok(ink.map(|line| radiance(&line, &scene.light)))
 }
 
-/// Noise, then rounding half up, then limiting (RENDER-5).
-fn digitise<R: Rng + ?Sized>(grey: f64, noise: f64, rng: &mut R) -> u8 {
-    let deviate: f64 = StandardNormal.sample(rng);
-    let rounded = (grey + noise * deviate + 0.5).floor().clamp(0.0, 255.0);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an integer from 0 to 255")]
-    let pixel = rounded as u8;
-    pixel
+/// The ink of one row of a scene, from 0 for white to 1 for black in every pixel (RENDER-1 to RENDER-3, RENDER-7,
+/// RENDER-8).
+pub fn row_ink(camera: &Camera, scene: &Scene, row: usize) -> Result<Vec<f64>, EncodeRefusal> {
+    let [line] = ink(camera, scene, [row])?;
+    Ok(line)
 }
 
-/// The sum of what every object darkens in the upper and the lower row, not yet limited to 1.
-fn ink(camera: &Camera, scene: &Scene) -> Result<[Vec<f64>; 2], EncodeRefusal> {
-    let mut lines = [vec![0.0; camera.width], vec![0.0; camera.width]];
+/// The grey levels of a line of ink, 0 to 1, in this light (RENDER-4).
+#[must_use]
+pub fn radiance(ink: &[f64], light: &Light) -> Vec<f64> {
+    ink.iter().enumerate().map(|(i, &covered)| light.grey(covered, i, ink.len())).collect()
+}
+
+/// A line's grey levels with noise of the standard deviation `noise`, rounded half up and limited (RENDER-5).
+///
+/// `rng` gives one normal deviate for every pixel from left to right, also where the noise is 0.
+pub fn digitise<R: Rng + ?Sized>(radiance: &[f64], noise: f64, rng: &mut R) -> Vec<u8> {
+    let pixel = |grey: &f64| {
+        let deviate: f64 = StandardNormal.sample(rng);
+        let rounded = (grey + noise * deviate + 0.5).floor().clamp(0.0, 255.0);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an integer from 0 to 255")]
+        let pixel = rounded as u8;
+        pixel
+    };
+    radiance.iter().map(pixel).collect()
+}
+
+/// The sum of what every object darkens in the given rows, limited to 1.
+fn ink<const N: usize>(camera: &Camera, scene: &Scene, rows: [usize; N]) -> Result<[Vec<f64>; N], EncodeRefusal> {
+    let mut lines = rows.map(|_| vec![0.0; camera.width]);
     for posted in &scene.landmarks {
-        add_landmark(camera, scene, posted, &mut lines)?;
+        add_landmark(camera, scene, posted, rows, &mut lines)?;
     }
     let world_in_camera = scene.camera_in_world.inverse();
     for strip in &scene.clutter {
@@ -159,25 +176,34 @@ fn ink(camera: &Camera, scene: &Scene) -> Result<[Vec<f64>; 2], EncodeRefusal> {
             }
         }
     }
+    lines.iter_mut().flatten().for_each(|ink| *ink = ink.clamp(0.0, 1.0));
     Ok(lines)
 }
 
-/// Adds one landmark's ink to both rows.
-fn add_landmark(
+/// Adds one landmark's ink to the rows' lines.
+fn add_landmark<const N: usize>(
     camera: &Camera,
     scene: &Scene,
     posted: &Posted,
-    lines: &mut [Vec<f64>; 2],
+    rows: [usize; N],
+    lines: &mut [Vec<f64>; N],
 ) -> Result<(), EncodeRefusal> {
     let layers = codeword::layers(posted.landmark.format, posted.payload)?;
     let pose = posted.landmark_in_world.inverse() * scene.camera_in_world;
     let Some(columns) = visible_edges(camera, &posted.landmark, &pose) else { return Ok(()) };
-    let covers = layers.map(|stripes| coverage(camera.width, scene.sensor.blur, &columns, &stripes));
     let reach = Reach::new(camera, &posted.landmark, &pose);
-    for (line, row) in lines.iter_mut().zip([camera.upper_row, camera.lower_row]) {
-        for (i, ink) in line.iter_mut().enumerate() {
-            let [upper, lower] = row_shares(camera, row, reach.at(i as f64));
-            *ink += upper * covers[0][i] + lower * covers[1][i];
+    let share = |row: usize, layer: usize, column: usize| row_shares(camera, row, reach.at(column as f64))[layer];
+    for (layer, stripes) in layers.iter().enumerate() {
+        // A share is monotonic in the reach and that is linear: what has none at either end of the line has none.
+        let shown = |row: usize| share(row, layer, 0) > 0.0 || share(row, layer, camera.width - 1) > 0.0;
+        if !rows.iter().any(|&row| shown(row)) {
+            continue;
+        }
+        let cover = coverage(camera.width, scene.sensor.blur, &columns, stripes);
+        for (line, row) in lines.iter_mut().zip(rows) {
+            for (i, ink) in line.iter_mut().enumerate() {
+                *ink += share(row, layer, i) * cover[i];
+            }
         }
     }
     Ok(())
@@ -338,7 +364,7 @@ mod tests {
         seen_from(Pose::new(distance, 0.0, PI), blur)
     }
 
-    fn radiance(scene: &Scene) -> [Vec<f64>; 2] {
+    fn radiance_of(scene: &Scene) -> [Vec<f64>; 2] {
         render_radiance(&Camera::epuck(), scene).unwrap()
     }
 
@@ -358,7 +384,7 @@ mod tests {
     }
 
     fn assert_blank(scene: &Scene) {
-        assert!(radiance(scene).iter().flatten().all(|grey| (grey - 200.0).abs() < 1e-12));
+        assert!(radiance_of(scene).iter().flatten().all(|grey| (grey - 200.0).abs() < 1e-12));
     }
 
     /// An independent camera: the ink that the ray through `column`, `rows` rows above the axis, hits on a default
@@ -405,7 +431,7 @@ mod tests {
         // 1.5 to 2.5 px per stripe; the landmark's middle lies left of the line's.
         let pose = Pose::new(0.4, 0.1, PI + 0.3);
         for blur in [0.0, 0.3, 0.5, 1.0] {
-            let upper = inked(&radiance(&seen_from(pose, blur))[0]);
+            let upper = inked(&radiance_of(&seen_from(pose, blur))[0]);
             let inside: Vec<usize> = (1..480).filter(|&i| (upper[i] - upper[i - 1]).abs() > 0.2).collect();
             assert!(inside.len() > 10);
             for &i in inside.iter().step_by(4) {
@@ -421,7 +447,7 @@ mod tests {
         let pose = Pose::new(0.5 * 0.9_f64.cos(), 0.5 * 0.9_f64.sin(), PI + 0.9);
         let mut scene = seen_from(pose, 0.0);
         scene.landmarks[0].landmark.stripe_width = 6e-3;
-        let upper = inked(&radiance(&scene)[0]);
+        let upper = inked(&radiance_of(&scene)[0]);
         let mut shares = Vec::new();
         for i in (180..320).filter(|&i| upper[i] > 0.0) {
             let expected = brute_force(&pose, 6e-3, i as f64, 0.0, 1000);
@@ -436,7 +462,7 @@ mod tests {
         // 8 bars of 640 * 1.5 mm / 0.37 m on either layer.
         let expected = 8.0 * 640.0 * 1.5e-3 / 0.37;
         for blur in [0.0, 1e-9, 0.3, 0.5, 1.0, 3.0] {
-            for line in radiance(&frontal(0.37, blur)) {
+            for line in radiance_of(&frontal(0.37, blur)) {
                 let total: f64 = inked(&line).iter().sum();
                 assert!((total - expected).abs() < 1e-6, "blur {blur}: {total} for {expected}");
             }
@@ -446,7 +472,7 @@ mod tests {
     /// 3.2 px per stripe at 0.3 m: from 239.5 - 32 = 207.5 to 271.5.
     #[test]
     fn frontal_stripes_lie_at_the_pinholes_columns() {
-        let [upper, lower] = radiance(&frontal(0.3, 0.0));
+        let [upper, lower] = radiance_of(&frontal(0.3, 0.0));
         for line in [&upper, &lower] {
             // Left guard: bars to 210.7 and from 213.9.
             assert_pixels(line, &[(207, 200.0), (208, 40.0), (210, 40.0), (211, 168.0), (212, 200.0), (214, 104.0)]);
@@ -467,7 +493,7 @@ mod tests {
             let mut scene = empty(0.5, 0.0);
             scene.landmarks.push(posted(Pose::new(2.0, 1.0, FRAC_PI_2)));
             scene.camera_in_world = Pose::new(2.0, 1.3, -FRAC_PI_2 + turn);
-            let upper = inked(&radiance(&scene)[0]);
+            let upper = inked(&radiance_of(&scene)[0]);
             let first = upper.iter().position(|&ink| ink > 0.5).unwrap() as f64;
             // The left end 0.05 rad to the left of the centre, and half a pixel of rounding.
             let left_end = 239.5 + 640.0 * (turn - (0.015_f64 / 0.3).atan()).tan();
@@ -480,7 +506,7 @@ mod tests {
     fn the_row_share_fades_from_50_to_67_centimetres() {
         for (distance, share) in [(0.3, 1.0), (0.5, 1.0), (4.0 / 7.0, 0.5), (0.62, 2.0 / 0.62 - 3.0), (2.0 / 3.0, 0.0)]
         {
-            for line in radiance(&frontal(distance, 0.0)) {
+            for line in radiance_of(&frontal(distance, 0.0)) {
                 let darkest = inked(&line).into_iter().fold(0.0, f64::max);
                 assert!((darkest - share).abs() < 1e-9, "{darkest} for {share} at {distance} m");
             }
@@ -518,7 +544,7 @@ mod tests {
     fn light_is_exposure_times_a_gradient_about_the_middle() {
         let mut scene = frontal(0.3, 0.0);
         scene.light = Light { exposure: 0.5, gradient: 0.2, white: 210.0, black: 30.0, patch: None };
-        let [upper, _] = radiance(&scene);
+        let [upper, _] = radiance_of(&scene);
         assert_pixels(&upper, &[(0, 105.0 * 0.9), (479, 105.0 * 1.1)]);
         assert!((f64::midpoint(upper[100], upper[379]) - 105.0).abs() < 1e-9);
         // Ink has the same factors.
@@ -530,7 +556,7 @@ mod tests {
         for (gradient, ends) in [(1.2, (40.0, 160.0)), (-1.2, (160.0, 40.0))] {
             let mut scene = empty(0.0, 0.0);
             scene.light = Light { exposure: 0.5, gradient, ..Light::default() };
-            for line in radiance(&scene) {
+            for line in radiance_of(&scene) {
                 assert_pixels(&line, &[(0, ends.0), (479, ends.1)]);
             }
         }
@@ -540,10 +566,10 @@ mod tests {
     #[test]
     fn a_patch_covers_shares_of_pixels() {
         let mut scene = frontal(0.3, 0.0);
-        let plain = radiance(&scene);
+        let plain = radiance_of(&scene);
         let mut shares = |left: f64, right: f64| {
             scene.light.patch = Some(Patch { left, right, factor: 0.5 });
-            let patched = radiance(&scene);
+            let patched = radiance_of(&scene);
             let share = |i: usize| {
                 let [upper, lower] = [0, 1].map(|row: usize| 2.0 * (1.0 - patched[row][i] / plain[row][i]));
                 assert!((upper - lower).abs() < 1e-12);
@@ -624,7 +650,7 @@ mod tests {
         // From behind it does not take ink away from what is dark already either.
         let dark = Clutter { left: Point::new(1.0, 0.5), right: Point::new(1.0, -0.5), ink: 1.0 };
         let both = Scene { clutter: vec![dark], ..seen_from(Pose::new(-0.3, 0.0, 0.0), blur) };
-        assert!(radiance(&both).iter().flatten().all(|grey| (grey - 40.0).abs() < 1e-6));
+        assert!(radiance_of(&both).iter().flatten().all(|grey| (grey - 40.0).abs() < 1e-6));
         let behind = Clutter { left: Point::new(-1.0, -0.1), right: Point::new(-1.0, 0.1), ink: 1.0 };
         let partly = Clutter { left: Point::new(1.0, 0.1), right: Point::new(-0.1, 0.1), ink: 1.0 };
         assert_blank(&Scene { clutter: vec![behind, partly], ..empty(blur, 0.0) });
@@ -635,15 +661,15 @@ mod tests {
         // Two landmarks 60 mm apart at 0.3 m: 128 px.
         let mut scene = frontal(0.3, 0.0);
         scene.landmarks = vec![posted(Pose::new(0.0, -0.03, 0.0)), posted(Pose::new(0.0, 0.03, 0.0))];
-        let both = radiance(&scene);
-        let single = radiance(&frontal(0.3, 0.0));
+        let both = radiance_of(&scene);
+        let single = radiance_of(&frontal(0.3, 0.0));
         for (both, single) in both.iter().zip(&single) {
             for i in 207..272 {
                 assert!((both[i - 64] - single[i]).abs() < 1e-9 && (both[i + 64] - single[i]).abs() < 1e-9);
             }
         }
         scene.landmarks = vec![posted(Pose::new(0.0, 0.0, 0.0)); 2];
-        for (twice, once) in radiance(&scene)[0].iter().zip(&single[0]) {
+        for (twice, once) in radiance_of(&scene)[0].iter().zip(&single[0]) {
             let ink = (2.0 * (200.0 - once) / 160.0).min(1.0);
             assert!((twice - (200.0 - 160.0 * ink)).abs() < 1e-9);
         }
@@ -655,7 +681,7 @@ mod tests {
         let (left, right) = (Point::new(1.0, 64.25 / 640.0), Point::new(1.0, 32.25 / 640.0));
         for (left, right) in [(left, right), (right, left)] {
             let scene = Scene { clutter: vec![Clutter { left, right, ink: 0.5 }], ..empty(0.0, 0.0) };
-            for line in radiance(&scene) {
+            for line in radiance_of(&scene) {
                 // From 175.25 to 207.25.
                 assert_pixels(
                     &line,

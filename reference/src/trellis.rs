@@ -254,6 +254,7 @@ mod tests {
     use crate::landmark::Landmark;
     use crate::observer::Silent;
     use crate::render::{Light, Posted, Scene, Sensor, render};
+    use crate::skew::Skew;
     use crate::threshold::threshold;
     use core::f64::consts::PI;
     use proptest::prelude::*;
@@ -289,7 +290,7 @@ mod tests {
         let found = lines.each_ref().map(|line| of_line(line, &threshold(line).unwrap(), format));
         let (camera, landmark) = (&Camera::epuck(), &Landmark::new(format));
         let lines = lines.each_ref().map(Vec::as_slice);
-        let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated };
+        let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated, skew: Skew::at_rest() };
         extents(&found[0], &found[1])
             .any(|pair| decode(&pair, &view, &mut Silent).is_ok_and(|settled| settled.half_words == [upper, lower]))
     }

@@ -3,6 +3,7 @@
 use crate::bounds::{Class, TABLE};
 use crate::campaign::{Plan, RenderResult};
 use crate::findings::{Both, CandidateEnd, Findings, PartCount, Rate, SceneRates};
+use crate::route::Report;
 use crate::scenes::{BOXES, FIRST_BARCODE_ROW};
 use crate::tally::{Frame, Part};
 use crate::trace::DetectionTrace;
@@ -69,6 +70,8 @@ pub struct Certificate {
     pub coverage: Coverage,
     /// The images, one by one.
     pub renders: Vec<RenderReport>,
+    /// Both pipelines on routes.
+    pub routes: Vec<Report>,
 }
 
 /// A row of the comparison.
@@ -273,7 +276,19 @@ impl Certificate {
             detection: detection(findings),
             coverage: coverage(findings),
             renders: renders.iter().map(render_report).collect(),
+            routes: Vec::new(),
         }
+    }
+
+    /// The same with both pipelines on routes, which have to stay together (SAME-7).
+    #[must_use]
+    pub fn with_routes(mut self, routes: Vec<Report>) -> Self {
+        let checks = routes.iter().map(route_check);
+        self.checks.extend(checks);
+        let checked = self.checks.iter().all(|check| check.verdict == Verdict::Pass);
+        self.verdict = Verdict::of(checked && self.verdict == Verdict::Pass);
+        self.routes = routes;
+        self
     }
 
     /// As JSON, ending in a newline.
@@ -352,6 +367,24 @@ fn checks(findings: &Findings, renders: &[RenderResult]) -> Vec<Check> {
             verdict: Verdict::of(beyond == 0),
         },
     ]
+}
+
+/// SAME-7
+fn route_check(report: &Report) -> Check {
+    let (apart, differing) = (&report.largest_difference_decided_alike, &report.decided_differently);
+    Check {
+        check: "SAME-7: along a route both filters stay within 1 mm and 0.1°",
+        found: format!(
+            "{}, {} runs: {:.3} mm, {:.4}°; at {} readings decided differently, {} of them without a reason",
+            report.scenario,
+            report.runs,
+            1000.0 * apart.position_m,
+            apart.heading_rad.to_degrees(),
+            differing.all(),
+            differing.unexplained
+        ),
+        verdict: Verdict::of(report.stays_together()),
+    }
 }
 
 fn detection(findings: &Findings) -> Detection {

@@ -18,6 +18,7 @@ use reference::landmark::{Format, stripes};
 use reference::merge::Decoder;
 use reference::observer::{Layer, Silent};
 use reference::refusal::PairRefusal;
+use reference::skew::Skew;
 use reference::trellis::{self, Settled};
 use std::collections::BTreeMap;
 
@@ -107,7 +108,7 @@ fn explained(setting: &Setting, trace: &Trace, trial: &TrialTrace) -> Option<Dec
     }
     let landmark = setting.landmarks.reference.iter().find(|landmark| landmark.format == trial.format)?;
     let lines = [&trace.lines[0].values[..], &trace.lines[1].values[..]];
-    let view = View { lines, camera: &setting.cameras.reference, landmark, rule: setting.rule };
+    let view = View { lines, camera: &setting.cameras.reference, landmark, rule: setting.rule, skew: Skew::at_rest() };
     let by = |decoder| trial.readings.contains(&(decoder, Err(PairRefusal::Crc)));
     let layers = || Some([layer(trace, trial, Layer::Upper)?, layer(trace, trial, Layer::Lower)?]);
     if by(Decoder::Threshold) {

@@ -209,11 +209,12 @@ fn build(cameras: &Cameras, mounting: Mounting, slip: Slip) -> Build {
 }
 
 /// The port's π is -1.
-fn radians(angle: Angle) -> f64 {
+pub(crate) fn radians(angle: Angle) -> f64 {
     wrap(f64::from(angle.to_bits()) * PI * ulp(31))
 }
 
-fn matrix(c: &PoseCovariance) -> Matrix3<f64> {
+/// A covariance of a pose in m², m rad and rad².
+pub(crate) fn matrix(c: &PoseCovariance) -> Matrix3<f64> {
     Matrix3::new(c.xx, c.xy, c.xt, c.xy, c.yy, c.yt, c.xt, c.yt, c.tt).map(|bits| bits as f64 * ulp(48))
 }
 

@@ -85,7 +85,7 @@ impl fmt::Display for Place {
 }
 
 /// The key of a camera file that a refusal is about.
-fn key_of(refusal: CameraRefusal) -> &'static str {
+pub(crate) fn key_of(refusal: CameraRefusal) -> &'static str {
     match refusal {
         CameraRefusal::Width => "width_px",
         CameraRefusal::Height => "height_px",
@@ -148,7 +148,7 @@ fn broken(error: ImageError) -> InputError {
 /// A camera file. What is left out is the e-puck's, or follows from what is given.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct CameraFile {
+pub(crate) struct CameraFile {
     width_px: Option<usize>,
     height_px: Option<usize>,
     focal_length_px: Option<f64>,
@@ -170,19 +170,26 @@ pub fn camera_of_toml(text: &str) -> Result<Camera, InputError> {
         let place = error.span().map_or_else(Place::default, |span| Place::of_byte(text, span.start));
         InputError::NotACamera(place, one_line(&error.message()))
     })?;
-    let epuck = Camera::epuck();
-    let width = file.width_px.unwrap_or(epuck.width);
-    let height = file.height_px.unwrap_or(epuck.height);
-    let camera = Camera {
-        width,
-        height,
-        focal_length: file.focal_length_px.unwrap_or(epuck.focal_length),
-        focal_length_vertical: file.focal_length_vertical_px.unwrap_or(epuck.focal_length_vertical),
-        principal_column: file.principal_column_px.unwrap_or((width as f64 - 1.0) / 2.0),
-        upper_row: file.upper_row.unwrap_or(0),
-        lower_row: file.lower_row.unwrap_or(height.saturating_sub(1)),
-    };
-    camera.checked().map_err(|refusal| InputError::Camera(Place::of_key(text, key_of(refusal)), refusal))
+    file.camera().map_err(|refusal| InputError::Camera(Place::of_key(text, key_of(refusal)), refusal))
+}
+
+impl CameraFile {
+    /// The camera, if CAM-7 allows it.
+    pub(crate) fn camera(&self) -> Result<Camera, CameraRefusal> {
+        let epuck = Camera::epuck();
+        let width = self.width_px.unwrap_or(epuck.width);
+        let height = self.height_px.unwrap_or(epuck.height);
+        let camera = Camera {
+            width,
+            height,
+            focal_length: self.focal_length_px.unwrap_or(epuck.focal_length),
+            focal_length_vertical: self.focal_length_vertical_px.unwrap_or(epuck.focal_length_vertical),
+            principal_column: self.principal_column_px.unwrap_or((width as f64 - 1.0) / 2.0),
+            upper_row: self.upper_row.unwrap_or(0),
+            lower_row: self.lower_row.unwrap_or(height.saturating_sub(1)),
+        };
+        camera.checked()
+    }
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ use reference::landmark::{Format, Landmark};
 use reference::merge::{Decoder, conclude_settled, merge};
 use reference::observer::{Layer, Silent};
 use reference::refusal::CandidateRefusal;
+use reference::skew::Skew;
 use reference::trellis;
 
 /// What both pipelines are given besides the scan lines.
@@ -388,7 +389,7 @@ pub fn relative(one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
 fn depends_on_start(setting: &Setting, trace: &Trace, trial: &TrialTrace, other: Option<(Decoder, u32)>) -> bool {
     let Some(landmark) = setting.landmark(trial.format) else { return false };
     let lines = [&trace.lines[0].values[..], &trace.lines[1].values[..]];
-    let view = View { lines, camera: &setting.cameras.reference, landmark, rule: setting.rule };
+    let view = View { lines, camera: &setting.cameras.reference, landmark, rule: setting.rule, skew: Skew::at_rest() };
     let pair = trial.pixels.map(|(first, last)| Extent { first, last });
     let layers = [Layer::Upper, Layer::Lower].map(|layer| layer_at(trace, trial, layer));
     let decides = |moves: [f64; 3]| match (trial.decoder, layers) {

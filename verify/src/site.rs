@@ -39,14 +39,17 @@
 //!
 //! Every part may be left out. Lengths in the library are metres, angles radians.
 
-mod check;
-mod fault;
-mod form;
+pub(crate) mod check;
+pub(crate) mod fault;
+pub(crate) mod form;
 mod hang;
 mod line;
 mod write;
 
+pub(crate) use check::{positive, site as of_form, within};
+pub(crate) use fault::Fault;
 pub use fault::SiteError;
+pub(crate) use form::{SiteForm, WITHOUT_UNIT, parse_with_units};
 pub(crate) use hang::{gap, on_wall};
 pub use line::Wall;
 pub(crate) use line::sides;
@@ -150,7 +153,7 @@ pub fn of_toml(text: &str, path: &Path) -> Result<Site, SiteError> {
     parse(text).map_err(|fault| fault.in_file(path, text))
 }
 
-fn parse(text: &str) -> Result<Site, fault::Fault> {
+fn parse(text: &str) -> Result<Site, Fault> {
     check::site(&form::parse(text)?)
 }
 

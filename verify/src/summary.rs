@@ -23,6 +23,9 @@ pub fn summary(certificate: &Certificate) -> String {
     section(&mut text, "False detections (reference/fixedpoint)", &parts(certificate));
     section(&mut text, "Pairs of layers and of extents, and how they ended", &candidates(certificate));
     section(&mut text, "Both pipelines, stage by stage", &stages(certificate));
+    if !certificate.routes.is_empty() {
+        section(&mut text, "Routes", &routes(certificate));
+    }
     section(&mut text, "Checks", &checks(certificate));
     let _ = writeln!(
         text,
@@ -95,6 +98,27 @@ fn checks(certificate: &Certificate) -> String {
         table.add_row([check.check, &check.found, check.verdict.word()]);
     }
     table.trim_fmt()
+}
+
+fn routes(certificate: &Certificate) -> String {
+    let mut table =
+        table(["route", "runs", "pipeline", "mean error cm", "95 %", "NEES", "used", "not used", "recoveries"]);
+    for route in &certificate.routes {
+        for (pipeline, errors) in [("reference", &route.reference), ("fixedpoint", &route.fixedpoint)] {
+            table.add_row([
+                route.scenario.clone(),
+                route.runs.to_string(),
+                pipeline.to_owned(),
+                format!("{:.3}", 100.0 * errors.mean_position_error_m),
+                format!("{:.3}", 100.0 * errors.p95_position_error_m),
+                format!("{:.2}", errors.mean_nees),
+                errors.observations_used.to_string(),
+                errors.observations_gated.to_string(),
+                errors.recoveries.len().to_string(),
+            ]);
+        }
+    }
+    right_aligned(table, 3)
 }
 
 fn renders(certificate: &Certificate) -> String {

@@ -38,7 +38,7 @@ impl Drawn {
 
     fn setting<'a>(&'a self, camera: &'a Camera) -> Setting<'a> {
         let lines = [self.lines[0].as_slice(), self.lines[1].as_slice()];
-        Setting { lines, camera, landmark: &self.landmark, rule: CrossingRule::Interpolated }
+        Setting { lines, camera, landmark: &self.landmark, rule: CrossingRule::Interpolated, skew: &Skew::AT_REST }
     }
 
     fn fitted(&self) -> Result<Fitted, FitRefusal> {
@@ -54,7 +54,8 @@ impl Drawn {
         let moved = View { a: self.view.a + a, s: self.view.s + s, k: self.view.k + k, ..self.view };
         let lower = Drawn { view: moved, lines: [Vec::new(), Vec::new()], ..*self }.homography();
         let setting = Setting { rule, ..self.setting(&camera) };
-        accept(&self.candidate, Evidence::Threshold { layers: [upper, lower], local: false }, &setting, &mut Silent)
+        let evidence = Evidence::Threshold { layers: [upper, lower], shift: Shift::NONE, local: false };
+        accept(&self.candidate, evidence, &setting, &mut Silent)
     }
 
     /// The decision of the trellis' fit.
@@ -367,8 +368,9 @@ fn a_threshold_s_candidate_without_a_fit_is_the_paper_s() {
     assert_eq!(found.camera_in_landmark, pose(&found.homography, &camera, &limited.landmark));
     assert!(found.covariance.xx > 0);
     // Found by the local threshold it is none.
-    let (setting, layers) = (limited.setting(&camera), [limited.homography(); 2]);
-    let decided = |local| accept(&limited.candidate, Evidence::Threshold { layers, local }, &setting, &mut Silent);
+    let (setting, layers, shift) = (limited.setting(&camera), [limited.homography(); 2], Shift::NONE);
+    let decided =
+        |local| accept(&limited.candidate, Evidence::Threshold { layers, shift, local }, &setting, &mut Silent);
     assert!(decided(false).is_ok());
     assert_eq!(decided(true), Err(CandidateRefusal::NoFit));
     // A pair of extents is refused instead, which `trellis` decides.
@@ -458,7 +460,9 @@ fn limited_pixels_count_in_the_margin() {
             let seen = &drawn.lines[0][usize::from(first_pixel)..=usize::from(last_pixel)];
             assert!(seen.iter().filter(|&&value| matches!(value, 0 | 255)).count() >= 2, "{seen:?}");
             let (fitted, camera) = (true_fit(&drawn), Camera::epuck());
-            let found = f64::from(margin(&drawn.candidate, &fitted, &drawn.setting(&camera))) / 256.0;
+            let found =
+                f64::from(margin(&layers(&drawn.candidate, &drawn.setting(&camera)), &fitted, &drawn.setting(&camera)))
+                    / 256.0;
             let exact = exact_margin(&drawn, &fitted);
             assert!((found - exact).abs() <= 2.0 * 0.1 * 240.0 * 8.0, "{found} {exact} {:?}", drawn.view);
             assert!(Limits::TRELLIS.decide((found * 256.0) as i32, &fitted));
@@ -484,10 +488,133 @@ fn the_margin_is_the_least_of_all_changes() {
         let drawn = Drawn::new(View { blur: random.random_range(0.3..0.9), ..view }, payload, &mut random);
         let Ok(fitted) = drawn.fitted() else { continue };
         let camera = Camera::epuck();
-        let found = f64::from(margin(&drawn.candidate, &fitted, &drawn.setting(&camera))) / 256.0;
+        let found =
+            f64::from(margin(&layers(&drawn.candidate, &drawn.setting(&camera)), &fitted, &drawn.setting(&camera)))
+                / 256.0;
         let exact = exact_margin(&drawn, &fitted);
         assert!((found - exact).abs() <= 160.0, "{found} {exact} {:?}", drawn.view);
         compared += 1;
     }
     assert!(compared > 40);
+}
+
+/// A camera that hardly moved: nothing is shifted.
+const HARDLY: Skew = Skew { play: 4, ..Skew::AT_REST };
+
+impl Drawn {
+    /// The same barcode with the lower line of another one.
+    fn below(self, lower: Self) -> Self {
+        let [upper, _] = self.lines;
+        let [_, lower] = lower.lines;
+        Self { lines: [upper, lower], ..self }
+    }
+
+    /// The decision of a camera that hardly moved, for homographies as the layers were drawn and the lower one moved by so many
+    /// pixels.
+    fn decided_moving(&self, a: f64, local: bool) -> Result<Detection, CandidateRefusal> {
+        let (camera, upper) = (Camera::epuck(), self.homography());
+        let layers = [upper, Homography { a: upper.a + Column::from_num(a), ..upper }];
+        let evidence = Evidence::Threshold { layers, shift: Shift::NONE, local };
+        let setting = Setting { skew: &HARDLY, ..self.setting(&camera) };
+        accept(&self.candidate, evidence, &setting, &mut Silent)
+    }
+}
+
+/// `SKEW-6`: in `ACCEPT-2` the play is added to the limit of `a`, 1 px, and the shift of the upper layer taken off.
+#[test]
+fn layers_of_a_moving_camera_agree_within_the_play() {
+    let drawn = drawn(view(2.0, 0.0));
+    let agreed = |a| drawn.decided_moving(a, false) != Err(CandidateRefusal::Disagree);
+    assert!(agreed(5.0) && agreed(-5.0) && !agreed(5.001) && !agreed(-5.001));
+    let (camera, upper) = (Camera::epuck(), drawn.homography());
+    let (one, tenth) = (Column::ONE, Obliquity::from_num(0.1));
+    let shift = Shift { a: 10 * one, s: 3 * one, k: -tenth };
+    let seen = |shift, a: f64, s: f64, k: Obliquity| {
+        let lower = Homography { a: upper.a + Column::from_num(a), s: upper.s + Column::from_num(s), k: upper.k + k };
+        let evidence = Evidence::Threshold { layers: [upper, lower], shift, local: false };
+        let setting = Setting { skew: &HARDLY, ..drawn.setting(&camera) };
+        accept(&drawn.candidate, evidence, &setting, &mut Silent) != Err(CandidateRefusal::Disagree)
+    };
+    assert!(seen(shift, 10.0, 3.0, -tenth) && seen(shift, 15.0, 4.0, -tenth) && seen(shift, 5.0, 2.0, -tenth));
+    assert!(!seen(shift, 15.001, 3.0, -tenth) && !seen(shift, 10.0, 4.001, -tenth));
+    assert!(!seen(Shift::NONE, 10.0, 3.0, -tenth) && !seen(shift, 10.0, 3.0, tenth));
+}
+
+/// `SKEW-7`: each layer from its own homography; `SKEW-8`: the detection is the upper one's. 8 px apart no fit of both would be.
+#[test]
+fn each_layer_of_a_moving_camera_is_fitted_alone() {
+    let (upper, lower) = (drawn(view(4.0, 20.0)), drawn(view(4.0, 20.0).at(4.0)));
+    let mut both = upper.below(lower);
+    for (reading, pixels) in both.candidate.readings.iter_mut().zip([0, 4]) {
+        (reading.first_pixel, reading.last_pixel) = (reading.first_pixel + pixels, reading.last_pixel + pixels);
+    }
+    let found = both.decided_moving(4.0, false).unwrap();
+    let (fit, lower) = (found.fit.unwrap(), found.lower_fit.unwrap());
+    let off = |found: Column, a: f64| (found.to_num::<f64>() - both.view.a - a).abs();
+    assert!(off(found.homography.a, 0.0) < 0.1 && off(lower.homography.a, 4.0) < 0.1);
+    let camera = Camera::epuck();
+    let located = covariance::transform(&found.homography, &fit.covariance, &camera, &both.landmark);
+    assert_eq!(located, Ok((found.camera_in_landmark, found.covariance)));
+    // `SKEW-8`: the upper layer's `a`.
+    assert_eq!(found.transitions.map(|merged| merged.a), Some(both.homography().a));
+    // At rest they are fitted together, and refused.
+    assert!(both.accepted().is_err());
+}
+
+/// `SKEW-7`: what is asked of a fit is asked of each, the upper one first.
+#[test]
+fn each_layer_of_a_moving_camera_is_asked() {
+    let good = || drawn(view(4.0, 0.0));
+    let wave = |amplitude| waved(view(4.0, 0.0), amplitude);
+    let blurred = || drawn(View { blur: 1.05, noise: 1.0, ..view(4.0, 0.0) });
+    let decided = |upper: Drawn, lower: Drawn| upper.below(lower).decided_moving(0.0, false).map(|_| ());
+    assert_eq!(decided(good(), good()), Ok(()));
+    assert_eq!(decided(good(), blurred()), Err(CandidateRefusal::Blur));
+    assert_eq!(decided(blurred(), good()), Err(CandidateRefusal::Blur));
+    assert_eq!(decided(good(), wave(30.0)), Err(CandidateRefusal::Misfit));
+    assert_eq!(decided(good(), wave(10.0)), Err(CandidateRefusal::Correlated));
+    assert_eq!(decided(wave(10.0), good()), Err(CandidateRefusal::Correlated));
+    // The blur would come before the correlation in one layer.
+    assert_eq!(decided(wave(10.0), blurred()), Err(CandidateRefusal::Correlated));
+    let mut beside = good();
+    beside.lines[1][286..290].fill(40);
+    assert_eq!(beside.decided_moving(0.0, false).map(|_| ()), Err(CandidateRefusal::QuietZone));
+    // Either has contrast enough, but one more than twice that of the other, which is asked before the blur.
+    let gain = |gain, blur| drawn(View { gain, blur, noise: 1.0, ..view(4.0, 0.0) });
+    assert_eq!(decided(gain(-150.0, 0.5), gain(-80.0, 0.5)), Ok(()));
+    assert_eq!(decided(gain(-150.0, 1.05), gain(-70.0, 0.5)), Err(CandidateRefusal::Contrast));
+    assert_eq!(decided(gain(-70.0, 0.5), gain(-150.0, 1.05)), Err(CandidateRefusal::Contrast));
+    assert_eq!(decided(gain(-11.0, 0.5), gain(-13.0, 0.5)), Err(CandidateRefusal::Contrast));
+}
+
+/// `SKEW-7`: where one of the layers has no fit, `ACCEPT-10` decides.
+#[test]
+fn a_moving_layer_without_a_fit_leaves_the_paper_s_estimate() {
+    for layer in 0..2 {
+        let mut limited = drawn(view(4.0, 0.0));
+        for pixel in &mut limited.lines[layer] {
+            *pixel = if *pixel > 100 { 255 } else { 0 };
+        }
+        let found = limited.decided_moving(3.0, false).unwrap();
+        assert_eq!((found.estimator(), found.lower_fit), (crate::merge::Estimator::Paper, None));
+        // The upper layer's `a`, of which the lower one's is 3 px away.
+        assert_eq!((found.homography, found.transitions), (limited.homography(), Some(limited.homography())));
+        assert_eq!(limited.decided_moving(3.0, true), Err(CandidateRefusal::NoFit));
+    }
+}
+
+/// `SKEW-8`: the upper layer's `a`, the mean of `s` and `k`, the lower layer's less the shift.
+#[test]
+fn the_merged_homography_of_a_moving_camera_is_seen_from_the_upper_row() {
+    let mut limited = drawn(view(4.0, 0.0));
+    limited.lines.iter_mut().flatten().for_each(|pixel| *pixel = if *pixel > 100 { 255 } else { 0 });
+    let (camera, upper) = (Camera::epuck(), limited.homography());
+    let [a, s] = [12, 4].map(Column::from_num);
+    let lower = Homography { a: upper.a + a, s: upper.s + s, k: upper.k + Obliquity::from_num(0.125) };
+    let shift = Shift { a: Column::from_num(10), s: Column::from_num(3), k: Obliquity::from_num(0.0625) };
+    let evidence = Evidence::Threshold { layers: [upper, lower], shift, local: false };
+    let setting = Setting { skew: &HARDLY, ..limited.setting(&camera) };
+    let found = accept(&limited.candidate, evidence, &setting, &mut Silent).unwrap();
+    let half_off = Homography { s: upper.s + Column::ONE / 2, k: upper.k + Obliquity::from_num(0.03125), ..upper };
+    assert_eq!((found.homography, found.transitions), (half_off, Some(half_off)));
 }

@@ -23,6 +23,7 @@ pub(super) fn updated(prior: &State, linearise: impl Fn(&State) -> Option<Linear
     let before = Root::of(&prior.covariance, prior.covariance.uncertain());
     let mut root = before;
     let mut correction = Correction::default();
+    let mut settled = false;
     for _ in 0..LINEARISATIONS {
         let from = correction.moved;
         let normal = Normal::of(&linearise(&prior.moved(from))?, from)?;
@@ -32,11 +33,12 @@ pub(super) fn updated(prior: &State, linearise: impl Fn(&State) -> Option<Linear
             root.observe(by, seen, &mut correction);
         }
         let [x, y, turn, ..] = distances(correction.moved, from);
-        if x.saturating_add(y) < SETTLED && turn < SETTLED {
+        settled = x.saturating_add(y) < SETTLED && turn < SETTLED;
+        if settled {
             break;
         }
     }
-    if correction.nis > GATE {
+    if !settled || correction.nis > GATE {
         return None;
     }
     Some(State { covariance: root.covariance(), ..prior.moved(correction.moved) })

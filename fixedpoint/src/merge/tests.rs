@@ -1,11 +1,15 @@
+#![allow(clippy::cast_possible_truncation)] // of an angle in range
+
 use super::*;
 use crate::camera::Camera;
 use crate::codeword::encode;
 use crate::crossing::CrossingRule;
 use crate::drawing::View;
 use crate::fit::Fitted;
+use crate::formats::Angle;
 use crate::landmark::Landmark;
 use crate::refusal::FitRefusal;
+use crate::skew::Skew;
 use crate::threshold::Threshold;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -47,11 +51,20 @@ impl Observer for Recorder {
 
 /// Merges layers of white lines, which no fit explains, so that the layers' homographies decide (`ACCEPT-10`).
 fn merged(landmark: Landmark, layers: &[(DecodedLayer, DecodedLayer)], detections: &mut Detections) -> Recorder {
+    merged_moving(landmark, layers, &Skew::AT_REST, detections)
+}
+
+fn merged_moving(
+    landmark: Landmark,
+    layers: &[(DecodedLayer, DecodedLayer)],
+    skew: &Skew,
+    detections: &mut Detections,
+) -> Recorder {
     let mut recorder = Recorder::default();
     let (upper, lower): (List<_>, List<_>) = layers.iter().copied().unzip();
     let (white, camera) = ([255; 480], Camera::epuck());
     let rule = CrossingRule::Interpolated;
-    let setting = Setting { lines: [&white, &white], camera: &camera, landmark: &landmark, rule };
+    let setting = Setting { lines: [&white, &white], camera: &camera, landmark: &landmark, rule, skew };
     Merger::new(setting, detections, &mut recorder).merge(&upper, &lower);
     recorder
 }
@@ -65,6 +78,39 @@ fn ends_may_differ_by_three_pixels() {
     };
     assert!(paired(97, 183) && paired(103, 177) && paired(100, 180));
     assert!(!paired(96, 180) && !paired(104, 180) && !paired(100, 176) && !paired(100, 184));
+}
+
+/// `SKEW-6`: the play is added to 3 px, and the upper one's ends are shifted. A turn of 10/640 to the left moves the middle of the
+/// image 10 px to the right.
+#[test]
+fn ends_of_a_moving_camera_may_differ_by_its_play_too() {
+    let (one, other) = encode(Format::Paper, 0x1234).unwrap();
+    let paired = |first: u16, last: u16, skew: &Skew| {
+        let (upper, lower) = (layer(200, 279, one), layer(first, last, other));
+        let landmark = Landmark::paper();
+        !merged_moving(landmark, &[(upper, lower)], skew, &mut Detections::new()).pairs.is_empty()
+    };
+    let hardly = Skew { play: 4, ..Skew::AT_REST };
+    assert!(paired(207, 272, &hardly) && paired(193, 286, &hardly));
+    assert!(!paired(208, 279, &hardly) && !paired(200, 287, &hardly) && !paired(204, 279, &Skew::AT_REST));
+    let turn = Angle::from_bits((10.0 / 640.0 / std::f64::consts::PI * 2_f64.powi(31)) as i32);
+    let turned = Skew { turn, ..hardly };
+    assert!(paired(217, 282, &turned) && paired(203, 296, &turned));
+    assert!(!paired(218, 289, &turned) && !paired(210, 297, &turned) && !paired(202, 289, &turned));
+}
+
+/// `SKEW-9`: neither extents nor what the check byte refuses (`TRELLIS-9`) is tried.
+#[test]
+fn pairs_of_a_moving_camera_are_not_decided_again() {
+    let (one, other) = encode(Format::Paper, 0x1234).unwrap();
+    let pair = (local(layer(100, 180, one)), local(layer(100, 180, other ^ 1)));
+    let refused = |skew: &Skew| {
+        let recorder = merged_moving(Landmark::paper(), &[pair], skew, &mut Detections::new());
+        assert_eq!(recorder.pairs, [(100, 100, Err(PairRefusal::Crc))]);
+        recorder.refused
+    };
+    assert_eq!(refused(&Skew::AT_REST), [(Format::Paper, Decoder::Trellis, CandidateRefusal::NoFit)]);
+    assert_eq!(refused(&Skew { play: 4, ..Skew::AT_REST }), []);
 }
 
 #[test]
@@ -113,7 +159,8 @@ impl Observer for Events {
 /// What is heard of `paper` layers in the middle of both lines, and of extents after them.
 fn heard(lines: [&[u8]; 2], upper: &[DecodedLayer], lower: &[DecodedLayer]) -> (List<String>, Detections) {
     let (camera, landmark) = (Camera::epuck(), Landmark::paper());
-    let setting = Setting { lines, camera: &camera, landmark: &landmark, rule: CrossingRule::Interpolated };
+    let setting =
+        Setting { lines, camera: &camera, landmark: &landmark, rule: CrossingRule::Interpolated, skew: &Skew::AT_REST };
     let (mut events, mut detections) = (Events::default(), Detections::new());
     let mut merger = Merger::new(setting, &mut detections, &mut events);
     merger.merge(upper, lower);

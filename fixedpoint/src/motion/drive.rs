@@ -66,8 +66,13 @@ impl Drive {
         dropped(i64::from(steps) * i64::from(self.step), self.exponent.saturating_sub(24))
     }
 
+    /// The way of a step (`MOTION-1`).
+    pub(crate) fn step(&self) -> StepLength {
+        StepLength { mantissa: self.step.unsigned_abs(), bits: self.exponent }
+    }
+
     /// The nominal axle in m with 40 fraction bits.
-    pub(super) fn axle(&self) -> i64 {
+    pub(crate) fn axle(&self) -> i64 {
         i64::from(self.axle.to_bits()) << 8
     }
 
@@ -90,6 +95,13 @@ impl Drive {
             bits: u8::try_from(54_u32.saturating_sub(zeros)).unwrap_or_default(),
         }
     }
+}
+
+/// The way of a step, `mantissa 2^-bits` m, the mantissa from 2^30 to 2^31 and `bits` from 37 to 53.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepLength {
+    pub(crate) mantissa: u32,
+    pub(crate) bits: u8,
 }
 
 /// The reciprocal of an axle, `mantissa 2^-bits` per metre, `bits` from 24 to 30.

@@ -150,6 +150,40 @@ proptest! {
         prop_assert!((residual[1] - (robot[1] - known[1])).abs() < 1e-9);
         prop_assert!((residual[2] - short(robot[2], known[2])).abs() < 1e-8);
     }
+
+    /// To the camera and back: the robot's pose in the landmark's frame and its covariance, turned as the landmark is.
+    #[test]
+    fn a_pose_from_elsewhere_comes_back_through_any_mounting(
+        place in [-50.0..50.0_f64, -50.0..50.0_f64, -PI..PI],
+        robot in [0.05..1.0_f64, -0.6..0.6_f64, -PI..PI],
+        mounting in [-0.7..0.7_f64, -0.7..0.7_f64, -3.0..3.0_f64],
+        entries in [1e-6..1e-2_f64, -0.9..0.9_f64, 1e-6..1e-2_f64, 1e-6..1e-2_f64],
+    ) {
+        #[expect(clippy::cast_possible_truncation, reason = "of a number in range")]
+        let bits = |entry: f64| (entry * power(48)).round() as i64;
+        let [xx, share, yy, tt] = entries;
+        let [xy, yt] = [xx * yy, yy * tt].map(|product: f64| share * product.sqrt() / 2.0);
+        let covariance = PoseCovariance { xx: bits(xx), xy: bits(xy), xt: 0, yy: bits(yy), yt: bits(yt), tt: bits(tt) };
+        let (place, robot, mounting) = (pose(place), pose(robot), pose(mounting));
+        let sighting = of_robot(&place, &robot, &covariance, &mounting);
+        let (found, spread) = robot_in_world(&sighting, &mounting);
+        let (found, exact) = (floats(&found), composed(floats(&place), floats(&robot)));
+        let short = |one: f64, other: f64| (one - other + PI).rem_euclid(2.0 * PI) - PI;
+        prop_assert!((found[0] - exact[0]).abs() < power(-23) && (found[1] - exact[1]).abs() < power(-23));
+        prop_assert!(short(found[2], exact[2]).abs() < 1e-8);
+        let (sin, cos) = floats(&place)[2].sin_cos();
+        let turned = [
+            (spread.xx, cos * cos * xx - 2.0 * sin * cos * xy + sin * sin * yy),
+            (spread.xy, sin * cos * (xx - yy) + (cos * cos - sin * sin) * xy),
+            (spread.yy, sin * sin * xx + 2.0 * sin * cos * xy + cos * cos * yy),
+            (spread.xt, -sin * yt),
+            (spread.yt, cos * yt),
+            (spread.tt, tt),
+        ];
+        for (found, exact) in turned {
+            prop_assert!((found as f64 * power(-48) - exact).abs() < 1e-10, "{found} {exact}");
+        }
+    }
 }
 
 #[test]

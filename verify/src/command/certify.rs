@@ -5,6 +5,7 @@ use crate::campaign::{Campaign, Plan};
 use crate::certificate::{Certificate, Verdict};
 use crate::disturb::Disturbance;
 use crate::renders;
+use crate::route;
 use crate::summary::summary;
 use clap::Args;
 use core::fmt::Display;
@@ -21,6 +22,9 @@ const DEFAULT_FRAMES: u64 = 20_000;
 /// Seed by default.
 const DEFAULT_SEED: u64 = 1;
 
+/// Runs of each route by default.
+const DEFAULT_ROUTES: u64 = 2;
+
 /// Folder by default.
 const DEFAULT_OUT: &str = "target/certify";
 
@@ -33,7 +37,7 @@ const WITHIN: f64 = 0.98;
 
 #[derive(Args)]
 #[command(after_help = "Examples:
-  barloc certify                        60 images, the paper's data set, frontal views, 20,000 random scenes
+  barloc certify                        60 images, the paper's data set, frontal views, 20,000 random scenes, 4 routes
   barloc certify --frames 100000        more scenes
   barloc certify --json                 the certificate on standard output
   barloc certify --self-test            disturb every stage and see that the comparison names it")]
@@ -44,6 +48,9 @@ pub(super) struct Arguments {
     /// Seed of everything random
     #[arg(long, value_name = "S", default_value_t = DEFAULT_SEED)]
     seed: u64,
+    /// Runs of each built-in route, triangle and kidnap
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_ROUTES)]
+    routes: u64,
     /// Folder for certificate.json
     #[arg(long, value_name = "DIR", default_value = DEFAULT_OUT)]
     out: PathBuf,
@@ -54,7 +61,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     json: bool,
     /// Disturb each stage of the port slightly beyond its bound and show that the run fails and names it
-    #[arg(long, conflicts_with_all = ["frames", "out", "json"])]
+    #[arg(long, conflicts_with_all = ["frames", "routes", "out", "json"])]
     self_test: bool,
 }
 
@@ -64,6 +71,7 @@ impl Default for Arguments {
         Self {
             frames: DEFAULT_FRAMES,
             seed: DEFAULT_SEED,
+            routes: DEFAULT_ROUTES,
             out: PathBuf::from(DEFAULT_OUT),
             renders: default_renders(),
             json: false,
@@ -89,7 +97,7 @@ pub(super) fn run(arguments: &Arguments, out: &mut impl Write) -> Result<Exit, F
     // Before the work: a campaign may take hours.
     let unwritten = Unwritten::create(&arguments.out)?;
     let started = Instant::now();
-    let certificate = certify(&plan);
+    let certificate = certify(&plan, arguments.routes)?;
     let seconds = started.elapsed().as_secs_f64();
     let path = unwritten.write(&certificate)?;
     if arguments.json {
@@ -102,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, out: &mut impl Write) -> Result<Exit, F
     Ok(if certificate.verdict == Verdict::Pass { Exit::Success } else { Exit::Different })
 }
 
-fn certify(plan: &Plan) -> Certificate {
+fn certify(plan: &Plan, routes: u64) -> Result<Certificate, Failure> {
     let bar = ProgressBar::with_draw_target(Some(Campaign::frames(plan)), ProgressDrawTarget::stderr_with_hz(10));
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left") {
         bar.set_style(style);
@@ -110,7 +118,12 @@ fn certify(plan: &Plan) -> Certificate {
     let progress = |frames| bar.inc(frames);
     let (findings, renders) = Campaign::new(plan, None, &progress).run();
     bar.finish_and_clear();
-    Certificate::new(plan, &findings, &renders)
+    let certificate = Certificate::new(plan, &findings, &renders);
+    if routes == 0 {
+        return Ok(certificate);
+    }
+    let routes = route::built_in(routes, plan.seed).map_err(|error| Failure::Input(error.to_string()))?;
+    Ok(certificate.with_routes(routes))
 }
 
 /// A certificate's file before there is a certificate: written whole or not at all.

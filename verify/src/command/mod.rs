@@ -8,6 +8,8 @@ mod detect;
 mod paper;
 mod place;
 mod print;
+mod replay;
+mod route;
 
 use crate::input;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -64,6 +66,7 @@ impl From<io::Error> for Failure {
   barloc                                      certify with the default campaign
   barloc certify --frames 200000 --seed 7     a larger campaign
   barloc detect tests/data/renders/000.png    what is on an image, by both pipelines
+  barloc route --runs 10                      robots on a route, by both pipelines
 
 Exit codes: 0 success; 1 the verdict is fail: the pipelines are not the same, or a check of the certificate does not hold;
 2 bad usage or input."
@@ -91,6 +94,10 @@ enum Command {
     Paper(paper::Arguments),
     /// Measure how accurate both pipelines are, beside the Cramer-Rao bound
     Accuracy(accuracy::Arguments),
+    /// Drive simulated robots along a route and see how well they know where they are
+    Route(route::Arguments),
+    /// Tell from a robot's log where it was
+    Replay(replay::Arguments),
 }
 
 /// Runs the command with the given arguments, the program's name first.
@@ -125,6 +132,8 @@ impl Arguments {
             Some(Command::Place(arguments)) => place::run(arguments, out),
             Some(Command::Paper(arguments)) => paper::run(arguments, out),
             Some(Command::Accuracy(arguments)) => accuracy::run(arguments, out),
+            Some(Command::Route(arguments)) => route::run(arguments, out),
+            Some(Command::Replay(arguments)) => replay::run(arguments, out),
         }
     }
 }

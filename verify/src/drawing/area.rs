@@ -138,12 +138,12 @@ impl Frame {
 
 /// The nearest integer to a number of pixels or of steps.
 #[expect(clippy::cast_possible_truncation, reason = "a page has a few thousand pixels, and a cast saturates")]
-fn whole(value: f64) -> i32 {
+pub(super) fn whole(value: f64) -> i32 {
     value.round() as i32
 }
 
 /// The smallest of 1, 2 and 5 times a power of ten that is at least `least`, a positive number.
-fn grid_step(least: f64) -> f64 {
+pub(super) fn grid_step(least: f64) -> f64 {
     let decade = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 5.0].map(|step| step * decade).into_iter().find(|&step| step >= least).unwrap_or(10.0 * decade)
 }

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod area;
+pub mod route;
 
 use core::fmt;
 use plotters::drawing::DrawingAreaErrorKind;

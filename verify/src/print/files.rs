@@ -50,7 +50,7 @@ fn put(files: &[(PathBuf, Vec<u8>)]) -> Result<(), Unwritten> {
 }
 
 /// The same name with `.part` behind it.
-fn beside(path: &Path) -> PathBuf {
+pub(crate) fn beside(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(".part");
     name.into()

@@ -20,7 +20,7 @@ const SHORTEST: f64 = 1e-3;
 /// Tallest stripe, metres: no robot of this kind sees more.
 const TALLEST_STRIPE: f64 = 1.0;
 
-pub(super) fn site(form: &SiteForm) -> Result<Site, Fault> {
+pub(crate) fn site(form: &SiteForm) -> Result<Site, Fault> {
     let grid = form.grid.as_ref().map_or(Ok(Grid::default()), grid)?;
     let camera_in_robot = form.robot.as_ref().map_or(Ok(Site::default().camera_in_robot), robot)?;
     let walls = form.wall.iter().map(wall).collect::<Result<Vec<_>, _>>()?;
@@ -44,7 +44,7 @@ pub(super) fn site(form: &SiteForm) -> Result<Site, Fault> {
 }
 
 /// A finite number of at most `most` in absolute value (SITE-3).
-fn within(value: f64, most: f64, span: Range<usize>) -> Result<f64, Fault> {
+pub(crate) fn within(value: f64, most: f64, span: Range<usize>) -> Result<f64, Fault> {
     if value.is_nan() || value.is_infinite() {
         Err(Fault::new(span, format!("{value} is not a finite number")))
     } else if value.abs() > most {
@@ -55,7 +55,7 @@ fn within(value: f64, most: f64, span: Range<usize>) -> Result<f64, Fault> {
 }
 
 /// A finite number above 0 (SITE-3).
-fn positive(value: f64, most: f64, span: Range<usize>) -> Result<f64, Fault> {
+pub(crate) fn positive(value: f64, most: f64, span: Range<usize>) -> Result<f64, Fault> {
     let value = within(value, most, span.clone())?;
     if value > 0.0 { Ok(value) } else { Err(Fault::new(span, format!("{value} is not above 0"))) }
 }
@@ -65,7 +65,7 @@ fn point(pair: &Pair) -> Result<[f64; 2], Fault> {
     Ok([within(x, LARGEST_COORDINATE, pair.span())?, within(y, LARGEST_COORDINATE, pair.span())?])
 }
 
-fn grid(form: &GridForm) -> Result<Grid, Fault> {
+pub(crate) fn grid(form: &GridForm) -> Result<Grid, Fault> {
     let default = Grid::default();
     let step = match &form.step_mm {
         None => default.step,
@@ -178,7 +178,7 @@ fn coded_pose(
 }
 
 /// An identifier is a payload that stands for no pose (SITE-6).
-fn identifier_payload(format: Format, identifier: &Spanned<i64>) -> Result<u32, Fault> {
+pub(crate) fn identifier_payload(format: Format, identifier: &Spanned<i64>) -> Result<u32, Fault> {
     let fault = |what: &str| Fault::new(identifier.span(), what);
     let payload = u32::try_from(*identifier.get_ref()).map_err(|_| fault("does not fit the landmark's format"))?;
     match codeword::encode(format, payload) {

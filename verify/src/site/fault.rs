@@ -17,7 +17,7 @@ pub struct SiteError {
 }
 
 impl SiteError {
-    pub(super) fn whole_file(path: &Path, what: &str) -> Self {
+    pub(crate) fn whole_file(path: &Path, what: &str) -> Self {
         Self { path: path.to_owned(), line: None, key: String::new(), what: what.to_owned() }
     }
 
@@ -49,17 +49,17 @@ impl core::error::Error for SiteError {}
 
 /// What is wrong and in which bytes of the file.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     span: Range<usize>,
     what: String,
 }
 
 impl Fault {
-    pub(super) fn new(span: Range<usize>, what: impl Into<String>) -> Self {
+    pub(crate) fn new(span: Range<usize>, what: impl Into<String>) -> Self {
         Self { span, what: what.into() }
     }
 
-    pub(super) fn in_file(self, path: &Path, text: &str) -> SiteError {
+    pub(crate) fn in_file(self, path: &Path, text: &str) -> SiteError {
         let before = text.bytes().take(self.span.start).filter(|&byte| byte == b'\n').count();
         let key = match DeTable::parse(text) {
             Ok(table) => key_in_table(table.get_ref(), self.span.start),

@@ -3,6 +3,7 @@
 use super::fault::Fault;
 use reference::landmark::Format;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -10,12 +11,12 @@ use toml::de::{DeTable, DeValue};
 pub(super) const CAMERA_AHEAD_MM: f64 = 30.0;
 
 /// Coordinates x and y.
-pub(super) type Pair = Spanned<Exactly<f64, 2>>;
+pub(crate) type Pair = Spanned<Exactly<f64, 2>>;
 
 /// Just so many numbers: an array of serde's would leave those that are too many unread.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "Vec<T>")]
-pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
+pub(crate) struct Exactly<T, const N: usize>(pub(crate) [T; N]);
 
 impl<T, const N: usize> TryFrom<Vec<T>> for Exactly<T, N> {
     type Error = String;
@@ -28,7 +29,7 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Exactly<T, N> {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SiteForm {
+pub(crate) struct SiteForm {
     pub(super) grid: Option<GridForm>,
     pub(super) robot: Option<RobotForm>,
     #[serde(default)]
@@ -41,10 +42,10 @@ pub(super) struct SiteForm {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct GridForm {
-    pub(super) step_mm: Option<Pair>,
-    pub(super) origin_m: Option<Pair>,
-    pub(super) theta_steps: Option<Spanned<i64>>,
+pub(crate) struct GridForm {
+    pub(crate) step_mm: Option<Pair>,
+    pub(crate) origin_m: Option<Pair>,
+    pub(crate) theta_steps: Option<Spanned<i64>>,
 }
 
 #[expect(clippy::struct_field_names, reason = "the file's keys; other parts of a robot may follow")]
@@ -88,7 +89,7 @@ pub(super) struct LandmarkForm {
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum FormatForm {
+pub(crate) enum FormatForm {
     #[default]
     Paper,
     Wide,
@@ -120,7 +121,7 @@ pub(super) struct RegionForm {
 }
 
 /// Keys with a unit, without it.
-const WITHOUT_UNIT: [(&str, &str); 14] = [
+pub(crate) const WITHOUT_UNIT: [(&str, &str); 14] = [
     ("step", "step_mm"),
     ("origin", "origin_m"),
     ("camera_x", "camera_x_mm"),
@@ -139,23 +140,28 @@ const WITHOUT_UNIT: [(&str, &str); 14] = [
 
 /// The form that a text fills in (SITE-1).
 pub(super) fn parse(text: &str) -> Result<SiteForm, Fault> {
+    parse_with_units(text, &WITHOUT_UNIT)
+}
+
+/// The form that a text fills in, where the given keys, each with its unit, do not stand without it.
+pub(crate) fn parse_with_units<T: DeserializeOwned>(text: &str, without_unit: &[(&str, &str)]) -> Result<T, Fault> {
     let table = DeTable::parse(text)?;
-    units(table.get_ref())?;
+    units(table.get_ref(), without_unit)?;
     Ok(toml::from_str(text)?)
 }
 
 /// Refuses keys that lack their unit: "unknown field" would not say what is missing.
-fn units(table: &DeTable<'_>) -> Result<(), Fault> {
+pub(crate) fn units(table: &DeTable<'_>, without_unit: &[(&str, &str)]) -> Result<(), Fault> {
     for (name, value) in table {
-        if let Some((_, key)) = WITHOUT_UNIT.iter().find(|(bare, _)| *bare == name.get_ref()) {
+        if let Some((_, key)) = without_unit.iter().find(|(bare, _)| *bare == name.get_ref()) {
             return Err(Fault::new(name.span(), format!("has no unit; write {key}")));
         }
         match value.get_ref() {
-            DeValue::Table(table) => units(table)?,
+            DeValue::Table(table) => units(table, without_unit)?,
             DeValue::Array(items) => {
                 for item in items {
                     if let DeValue::Table(table) = item.get_ref() {
-                        units(table)?;
+                        units(table, without_unit)?;
                     }
                 }
             }
