@@ -129,7 +129,6 @@ fn iterated(
     place: [f64; 3],
 ) -> Option<(Vector, Matrix, f64)> {
     let mut at = start;
-    let mut last = None;
     for _ in 0..10 {
         let robot = [at[0], at[1], at[2]];
         let (expected, depth) = image(robot, place);
@@ -182,12 +181,12 @@ fn iterated(
         });
         let settled = (next[0] - at[0]).abs() + (next[1] - at[1]).abs() < 2e-5 && (next[2] - at[2]).abs() < 2e-5;
         at = next;
-        last = Some((at, after, nis));
         if settled {
-            break;
+            return Some((at, after, nis));
         }
     }
-    last
+    // FILTER-4: it has not settled.
+    None
 }
 
 fn build() -> Build {

@@ -275,9 +275,11 @@ fn the_paper_s_estimator_takes_the_merged_homography() {
         assert_eq!(sighting.covariance, crate::covariance::paper(&pose, &camera));
         assert_ne!(merged, heard.detections[0].homography);
         assert_eq!(heard.detections[0].transitions, Some(merged));
-        // The rule is the configuration's.
+        // By whole pixels, whatever the configuration says.
         let (_, by_rule) = image(&mut localizer(&Config { rule: CrossingRule::WholePixel, ..paper }, [0.0; 3]), &lines);
-        assert_ne!(by_rule.layers, heard.layers);
+        assert_eq!(by_rule.layers, heard.layers);
+        let images = Config { estimation: Estimation::Image, ..paper };
+        assert_ne!(image(&mut localizer(&images, [0.0; 3]), &lines).1.layers, heard.layers);
     }
 }
 

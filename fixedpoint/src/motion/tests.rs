@@ -192,7 +192,14 @@ proptest! {
                 // Derivatives of the state are off by 2^-29, those of the ways by 2^-23; variances grow by 24 units of 2^-56.
                 let sources = (covariance[2][2].sqrt() + 64.0 * (covariance[3][3].sqrt() + covariance[4][4].sqrt())) * power(-29);
                 let unit = |i: usize| if i < 3 { 1.0 } else { power(-6) };
-                let bound = sources * (one * unit(j) + other * unit(i)) + 5e-7 * one * other + 31.0 * power(-56) * unit(i) * unit(j);
+                // A turn's derivative is 1/b of a way's; what is off by 2^-23 meets the slip's own deviation.
+                let turned = |i: usize| if i == 2 { 1.0 / robot.axle } else { 1.0 };
+                let slipped = (slip.to_num::<f64>() * (ways[0].abs() + ways[1].abs())).sqrt() * power(-23);
+                let by_ways = slipped * (one * turned(j) + other * turned(i));
+                let bound = sources * (one * unit(j) + other * unit(i))
+                    + by_ways
+                    + 5e-7 * one * other
+                    + 31.0 * power(-56) * unit(i) * unit(j);
                 prop_assert!((found[i][j] - exact[i][j]).abs() < bound, "entry {} {} {:e}: {:?} {:?}", i, j, bound, found, exact);
             }
         }
