@@ -1,5 +1,6 @@
 //! The formal specification of barloc in float64: from two scan lines of a camera to the camera's pose in the frame of a
-//! barcode landmark, and the forward model that draws such scan lines.
+//! barcode landmark, from these and the wheels' steps to the robot's pose ([`localizer`]), and the forward model that draws such
+//! scan lines and drives such robots ([`world`]).
 //!
 //! `SPEC.md` beside this crate is the text; its requirements are cited by name (`THRESH-2`) where they are implemented.
 //! The crate `fixedpoint` implements the same text in integers, with the same modules and a function of the same name for

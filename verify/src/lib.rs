@@ -2,6 +2,8 @@
 //!
 //! A frame runs through both pipelines, whose observers fill the same form ([`trace`]); [`lockstep`] compares the two
 //! forms by the table in [`bounds`], [`tally`] counts, [`campaign`] runs many frames, [`certificate`] says what was seen.
+//!
+//! Whole robots [`ride`] side by side too: on the [`route`] of a [`scenario`], or by a robot's [`log`].
 
 pub mod accuracy;
 pub mod bounds;
