@@ -7,12 +7,20 @@ use crate::ride::{Estimates, ROBOTS, Ride, Robots, Row, Taken, apart};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use reference::exposure::Time;
+use reference::frame::{Pose, Robot, World, wrap};
+use std::collections::VecDeque;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A clock that has run longer than this when the wheels are first read was not started with the log, microseconds (ROUTE-8).
 const STARTED_WITH_THE_LOG: u64 = 1_000_000;
+
+/// Rows that wait for a truth at the most.
+const WAITING: usize = 1000;
+
+/// The longest time between two truths that is bridged, microseconds.
+const LONGEST_GAP: u64 = 500_000;
 
 /// Rows between two looks at the progress.
 const TICK: u64 = 1000;
@@ -58,6 +66,58 @@ impl Errors {
     }
 }
 
+/// The truth between its stamps, which need not be those of the wheels (ROUTE-11).
+#[derive(Default)]
+struct Truth {
+    /// The last two.
+    known: [Option<(Time, Pose<World, Robot>)>; 2],
+    /// Rows after the newest truth, or at most [`WAITING`] of them.
+    waiting: VecDeque<Row>,
+}
+
+impl Truth {
+    fn wait(&mut self, row: Row) {
+        if self.waiting.len() == WAITING {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(row);
+    }
+
+    /// A truth that is not later than the one before is nothing to go by.
+    fn add(&mut self, time: Time, pose: Pose<World, Robot>) {
+        if self.known[1].is_none_or(|(last, _)| time > last) {
+            self.known = [self.known[1], Some((time, pose))];
+        }
+    }
+
+    /// The next row that a truth has reached, and the truth at its time; rows for which there is none are passed over.
+    fn next(&mut self) -> Option<(Row, Pose<World, Robot>)> {
+        let (newest, _) = self.known[1]?;
+        while self.waiting.front().is_some_and(|row| row.time <= newest) {
+            let row = self.waiting.pop_front()?;
+            if let Some(truth) = self.at(row.time) {
+                return Some((row, truth));
+            }
+        }
+        None
+    }
+
+    fn at(&self, time: Time) -> Option<Pose<World, Robot>> {
+        let (to, after) = self.known[1]?;
+        if time == to {
+            return Some(after);
+        }
+        let (from, before) = self.known[0]?;
+        if time < from || to.since(from) > LONGEST_GAP {
+            return None;
+        }
+        let share = time.since(from) as f64 / to.since(from) as f64;
+        let between = |one: f64, other: f64| one + share * (other - one);
+        let theta = before.theta() + share * wrap(after.theta() - before.theta());
+        Some(Pose::new(between(before.x(), after.x()), between(before.y(), after.y()), theta))
+    }
+}
+
 /// What a replay comes to.
 #[derive(Default)]
 struct Totals {
@@ -65,18 +125,29 @@ struct Totals {
     errors: [Errors; ROBOTS.len()],
     between: Errors,
     taken: [Taken; 2],
+    truth: Truth,
 }
 
 impl Totals {
-    fn note(&mut self, row: &Row) {
+    fn note(&mut self, row: Row) {
         self.rows += 1;
         self.between.add(apart(&row.known[0].pose, &row.known[1].pose));
         for (all, taken) in self.taken.iter_mut().zip(&row.taken) {
             *all = all.and(taken);
         }
-        if let Some(truth) = &row.truth {
+        self.truth.wait(row);
+        self.compare();
+    }
+
+    fn truth(&mut self, time: Time, pose: Pose<World, Robot>) {
+        self.truth.add(time, pose);
+        self.compare();
+    }
+
+    fn compare(&mut self) {
+        while let Some((row, truth)) = self.truth.next() {
             for (errors, known) in self.errors.iter_mut().zip(&row.known) {
-                errors.add(apart(&known.pose, truth));
+                errors.add(apart(&known.pose, &truth));
             }
         }
     }
@@ -117,21 +188,26 @@ impl Replay<'_> {
             }
         }
         let row = self.ride.as_mut().and_then(|ride| ride.take(&event));
-        row.map_or(Ok(()), |row| self.row(&row))
+        row.map_or(Ok(()), |row| self.row(row))?;
+        if let Event::Truth(truth) = &event {
+            self.totals.truth(truth.time.into(), truth.robot_in_world());
+        }
+        Ok(())
     }
 
-    fn row(&mut self, row: &Row) -> Result<(), Failure> {
+    fn row(&mut self, row: Row) -> Result<(), Failure> {
+        let written = self.estimates.row(&row).map_err(|error| Failure::Input(error.to_string()));
         self.totals.note(row);
         if self.totals.rows.is_multiple_of(TICK) {
             self.bar.set_message(format!("{} readings", self.totals.rows));
             self.bar.tick();
         }
-        self.estimates.row(row).map_err(|error| Failure::Input(error.to_string()))
+        written
     }
 
     fn finish(mut self) -> Result<(Totals, Vec<PathBuf>), Failure> {
         if let Some(row) = self.ride.as_mut().and_then(Ride::close) {
-            self.row(&row)?;
+            self.row(row)?;
         }
         self.bar.finish_and_clear();
         if self.totals.rows == 0 {
@@ -205,6 +281,40 @@ fn print(totals: &Totals, paths: &[PathBuf], out: &mut impl Write) -> io::Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ride::Known;
+    use core::f64::consts::TAU;
+    use nalgebra::Matrix3;
+
+    fn row(millis: u64) -> Row {
+        let known = Known { pose: Pose::new(0.0, 0.0, 0.0), covariance: Matrix3::identity() };
+        Row {
+            time: Time::from_micros(1000 * millis),
+            known: vec![known; 3],
+            taken: vec![Taken::default(); 3],
+            truth: None,
+        }
+    }
+
+    /// Truths of a camera on the ceiling, which has a clock of its own: 1 m ahead and 0.4 rad more from 100 to 300 ms.
+    #[test]
+    fn the_truth_is_taken_between_its_stamps() {
+        let mut totals = Totals::default();
+        let at = |millis: u64| Time::from_micros(1000 * millis);
+        totals.truth(at(100), Pose::new(0.0, 0.0, 3.0));
+        totals.note(row(50));
+        totals.note(row(150));
+        assert_eq!(totals.errors[0].count, 0, "what comes is not known yet");
+        totals.truth(at(300), Pose::new(1.0, 0.0, -TAU + 3.4));
+        assert_eq!(totals.errors[0].count, 1, "before the first truth nothing is compared");
+        let (position, heading) = totals.errors[0].last;
+        assert!((position - 0.25).abs() < 1e-12 && (heading - 3.1).abs() < 1e-12, "{position} {heading}");
+        // Nothing is made up across a gap.
+        totals.note(row(400));
+        totals.truth(at(1400), Pose::new(1.0, 0.0, 0.0));
+        assert_eq!(totals.errors[0].count, 1);
+        totals.note(row(1400));
+        assert_eq!(totals.errors[0].count, 2);
+    }
 
     #[test]
     fn a_clock_that_is_not_the_log_s_begins_with_the_first_reading() {
