@@ -146,12 +146,11 @@ impl Chain {
     fn count(&mut self, outcomes: &Outcomes, alike: u32) -> u32 {
         let nis = match outcomes.reference {
             Outcome::Used { nis } => Some(nis),
-            Outcome::Gated { nis } => nis,
-            Outcome::Recovered => None,
+            Outcome::Gated { nis } | Outcome::Recovered { nis } => nis,
         };
         if outcomes.agree() {
             self.used += u64::from(matches!(outcomes.reference, Outcome::Used { .. }));
-            self.recovered += u64::from(outcomes.reference == Outcome::Recovered);
+            self.recovered += u64::from(matches!(outcomes.reference, Outcome::Recovered { .. }));
             return alike + u32::from(!matches!(outcomes.reference, Outcome::Gated { .. }));
         }
         self.differing += 1;

@@ -31,7 +31,10 @@ pub enum Outcome {
         nis: Option<f64>,
     },
     /// It was not, but agreed with one of another image, and the filter begins again where they say.
-    Recovered,
+    Recovered {
+        /// Its NIS against the estimate that is given up; `None` as for the gate.
+        nis: Option<f64>,
+    },
 }
 
 /// How often what became of observations.
@@ -130,7 +133,7 @@ impl Filter {
         self.estimate = candidate.estimate;
         self.candidate = None;
         self.counts.recovered += 1;
-        Outcome::Recovered
+        Outcome::Recovered { nis }
     }
 }
 
@@ -311,7 +314,7 @@ mod tests {
         assert!(matches!(filter.observe(&sighting(&truth, &mut rng), 7), Outcome::Gated { .. }));
         // The other layer of the same image says nothing new.
         assert!(matches!(filter.observe(&sighting(&truth, &mut rng), 7), Outcome::Gated { .. }));
-        assert_eq!(filter.observe(&sighting(&truth, &mut rng), 8), Outcome::Recovered);
+        assert!(matches!(filter.observe(&sighting(&truth, &mut rng), 8), Outcome::Recovered { .. }));
         let error = difference(&filter.estimate().state, &truth);
         assert!(error[0].hypot(error[1]) < 0.01 && error[2].abs() < 0.03, "{error}");
         assert_eq!(filter.counts(), Counts { used: 0, gated: 2, recovered: 1 });

@@ -95,7 +95,7 @@ impl Outcomes {
             (self.reference, self.port),
             (Outcome::Used { .. }, Port::Used)
                 | (Outcome::Gated { .. }, Port::Gated)
-                | (Outcome::Recovered, Port::Recovered)
+                | (Outcome::Recovered { .. }, Port::Recovered)
         )
     }
 }

@@ -59,7 +59,7 @@ impl Taken {
     /// Whether as many observations were decided on.
     #[must_use]
     pub fn saw_as_much_as(&self, other: &Self) -> bool {
-        let seen = |of: &Self| (of.images, of.used + of.gated, of.refused);
+        let seen = |of: &Self| (of.images, of.used + of.gated + of.recovered, of.refused);
         seen(self) == seen(other)
     }
 
