@@ -3,7 +3,7 @@
 use crate::frame::{Pose, wrap};
 use crate::motion::{self, Drive, STATES, State, StateCovariance, Ways};
 use crate::observation::{Linearised, Sighting};
-use nalgebra::{Matrix3, SVector};
+use nalgebra::{Matrix3, SVector, Vector3};
 
 /// The largest NIS of an observation that is used: 1 in 1,000 of a chi-square of three (FILTER-4).
 pub const GATE: f64 = 16.266;
@@ -137,6 +137,27 @@ impl Filter {
     }
 }
 
+/// How much of the way to where a linearisation leads the next one goes (FILTER-9).
+///
+/// Where an observation bends more than its noise hides, each linearisation goes too far or not far enough by the same share of
+/// the way, which two of them show (Aitken's method, along the way).
+struct Pace {
+    share: f64,
+    /// The way before.
+    way: Option<Vector3<f64>>,
+}
+
+impl Pace {
+    /// The share, for the way that the latest linearisation leads.
+    fn next(&mut self, way: Vector3<f64>) -> f64 {
+        if let Some(before) = self.way.replace(way) {
+            let rest = 1.0 - way.dot(&before) / before.norm_squared();
+            self.share = if rest > 0.0 { (self.share / rest).clamp(0.25, 4.0) } else { 4.0 };
+        }
+        self.share
+    }
+}
+
 /// An estimate after an observation.
 struct Update {
     estimate: Estimate,
@@ -155,6 +176,7 @@ impl Estimate {
     fn updated(&self, sighting: &Sighting, drive: &Drive) -> Option<Update> {
         let coarse = motion::step_noise(&self.state, drive);
         let mut state = self.state;
+        let mut pace = Pace { share: 1.0, way: None };
         let mut round = 1;
         loop {
             let Linearised { residual, by_state: h, noise } = sighting.linearised(&state)?;
@@ -165,19 +187,19 @@ impl Estimate {
             let gain = self.covariance * h.transpose() * inverse;
             let next = moved(&self.state, &(gain * innovation));
             let step = difference(&next, &state);
-            state = next;
             if step[0].abs() + step[1].abs() < SETTLED && step[2].abs() < SETTLED {
                 // Joseph's form: positive semidefinite whatever the gain.
                 let kept = StateCovariance::identity() - gain * h;
                 let covariance = kept * self.covariance * kept.transpose() + gain * noise * gain.transpose();
                 let covariance = (covariance + covariance.transpose()) * 0.5;
                 let nis = innovation.dot(&(inverse * innovation));
-                return Some(Update { estimate: Self { state, covariance }, nis });
+                return Some(Update { estimate: Self { state: next, covariance }, nis });
             }
             if round == ROUNDS {
                 return None;
             }
             round += 1;
+            state = moved(&state, &(step * pace.next(step.fixed_rows::<3>(0).into())));
         }
     }
 
@@ -266,6 +288,24 @@ mod tests {
     }
 
     const START: [f64; STATES] = [0.005, 0.005, 0.02, 0.002, 0.005];
+
+    /// FILTER-9: a way that shrinks by the share `r` at each linearisation leads to its end at once.
+    #[test]
+    fn the_next_linearisation_is_where_the_ways_lead() {
+        let way = Vector3::new(0.3, -0.4, 1.2);
+        for (r, share) in [(0.5, 2.0), (-0.8, 1.0 / 1.8), (0.0, 1.0), (0.9, 4.0), (1.0, 4.0), (1.5, 4.0), (-9.0, 0.25)]
+        {
+            let mut pace = Pace { share: 1.0, way: None };
+            assert!((pace.next(way) - 1.0).abs() < 1e-12);
+            assert!((pace.next(way * r) - share).abs() < 1e-12, "{r}");
+        }
+        // Ways across each other say nothing of each other.
+        let mut pace = Pace { share: 1.0, way: Some(way) };
+        assert!((pace.next(Vector3::new(0.4, 0.3, 0.0)) - 1.0).abs() < 1e-12);
+        // With a share of 2 half of the way is left: twice as far still.
+        let mut pace = Pace { share: 2.0, way: Some(way) };
+        assert!((pace.next(way * 0.5) - 4.0).abs() < 1e-12);
+    }
 
     #[test]
     fn an_observation_draws_the_estimate_to_the_truth() {

@@ -129,6 +129,7 @@ fn iterated(
     place: [f64; 3],
 ) -> Option<(Vector, Matrix, f64)> {
     let mut at = start;
+    let (mut share, mut before) = (1.0_f64, None::<[f64; 3]>);
     for _ in 0..10 {
         let robot = [at[0], at[1], at[2]];
         let (expected, depth) = image(robot, place);
@@ -180,10 +181,17 @@ fn iterated(
             })
         });
         let settled = (next[0] - at[0]).abs() + (next[1] - at[1]).abs() < 2e-5 && (next[2] - at[2]).abs() < 2e-5;
-        at = next;
         if settled {
-            return Some((at, after, nis));
+            return Some((next, after, nis));
         }
+        // FILTER-9
+        let way: [f64; 3] = core::array::from_fn(|i| next[i] - at[i]);
+        let dot = |one: [f64; 3], other: [f64; 3]| (0..3).map(|i| one[i] * other[i]).sum::<f64>();
+        if let Some(before) = before.replace(way) {
+            let r = dot(way, before) / dot(before, before);
+            share = if r < 1.0 { (share / (1.0 - r)).clamp(0.25, 4.0) } else { 4.0 };
+        }
+        at = core::array::from_fn(|i| at[i] + share * (next[i] - at[i]));
     }
     // FILTER-4: it has not settled.
     None

@@ -1,9 +1,9 @@
 //! One observation: linearised again and again, and used for a state or not.
 
 use super::root::{Correction, NORMAL_BITS, ROOT_BITS, Root};
-use crate::binary::product;
+use crate::binary::{product, scaled, size};
 use crate::inverse::Inverse;
-use crate::motion::State;
+use crate::motion::{STATES, State};
 use crate::observation::{DERIVATIVE_BITS, Linearised, RESIDUAL_BITS};
 
 /// The most linearisations (`FILTER-2`).
@@ -24,8 +24,9 @@ pub(super) fn updated(prior: &State, linearise: impl Fn(&State) -> Option<Linear
     let mut root = before;
     let mut correction = Correction::default();
     let mut settled = false;
+    let mut from = correction.moved;
+    let mut pace = Pace { share: WHOLE, way: None };
     for _ in 0..LINEARISATIONS {
-        let from = correction.moved;
         let normal = Normal::of(&linearise(&prior.moved(from))?, from)?;
         root = before;
         correction = Correction::default();
@@ -37,11 +38,50 @@ pub(super) fn updated(prior: &State, linearise: impl Fn(&State) -> Option<Linear
         if settled {
             break;
         }
+        from = pace.next(from, correction.moved);
     }
     if !settled || correction.nis > GATE {
         return None;
     }
     Some(State { covariance: root.covariance(), ..prior.moved(correction.moved) })
+}
+
+/// The whole of a way, with [`SHARE_BITS`].
+const WHOLE: i64 = 1 << SHARE_BITS;
+const SHARE_BITS: u8 = 28;
+
+/// How much of the way to where a linearisation leads the next one goes (`FILTER-9`).
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// [`SHARE_BITS`].
+    share: i64,
+    /// The way before, of x, y and the heading.
+    way: Option<[i64; 3]>,
+}
+
+impl Pace {
+    /// The next place to linearise at, after one that leads from a place to another.
+    fn next(&mut self, from: [i64; STATES], to: [i64; STATES]) -> [i64; STATES] {
+        let mut next = from;
+        let way = [0, 1, 2].map(|i| to.get(i).zip(from.get(i)).map_or(0, |(to, from)| to.saturating_sub(*from)));
+        if let Some(before) = self.way.replace(way) {
+            self.share = self.after(way, before);
+        }
+        for (next, to) in next.iter_mut().zip(to) {
+            *next = next.saturating_add(product(to.saturating_sub(*next), self.share, SHARE_BITS));
+        }
+        next
+    }
+
+    /// The share for a way after another one, from 30 bits of the longer one: `share d'·d'/(d'·d' - d·d')`.
+    fn after(&self, way: [i64; 3], before: [i64; 3]) -> i64 {
+        let longest = way.iter().chain(&before).map(|&value| size(value)).max().unwrap_or(0);
+        let [way, before] = [way, before].map(|way| way.map(|value| scaled(value, (30 - longest).min(0))));
+        let dot = |one: [i64; 3]| one.iter().zip(before).fold(0_i64, |sum, (&one, other)| sum + one * other); // below 2^61.6
+        let square = dot(before);
+        let Some(inverse) = Inverse::of(square - dot(way)) else { return 4 * WHOLE };
+        product(self.share, inverse.times(square, i32::from(SHARE_BITS)), SHARE_BITS).clamp(WHOLE / 4, 4 * WHOLE)
+    }
 }
 
 fn distances<const N: usize>(one: [i64; N], other: [i64; N]) -> [u64; N] {
@@ -87,5 +127,44 @@ impl Normal {
             *normal.residual.get_mut(i)? = normalised(left, RESIDUAL_BITS);
         }
         Some(normal)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `FILTER-9`, with the ways of x, y, the heading, `e` and `g` with 40 fraction bits.
+    #[test]
+    fn the_next_linearisation_is_where_the_ways_lead() {
+        let unit = 1_i64 << 40;
+        let way = [3 * unit, -4 * unit, 12 * unit, unit, 0];
+        let by = |tenths: i64| way.map(|value| value / 10 * tenths);
+        for (tenths, share) in [(5, 2.0), (-8, 1.0 / 1.8), (0, 1.0), (9, 4.0), (10, 4.0), (15, 4.0), (-90, 0.25)] {
+            let mut pace = Pace { share: WHOLE, way: None };
+            assert_eq!(pace.next([0; STATES], way), way);
+            let from = [unit, 2 * unit, 3 * unit, 0, unit];
+            let to = core::array::from_fn(|i| from[i] + by(tenths)[i]);
+            let next = pace.next(from, to);
+            for i in 0..STATES {
+                let expected = from[i] as f64 + share * by(tenths)[i] as f64;
+                // The way to 30 bits, the share to 2^-27 of itself.
+                assert!((next[i] as f64 - expected).abs() <= 2.0 + expected.abs() * 2_f64.powi(-26), "{tenths} {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn ways_of_any_length_have_a_share() {
+        let pace = Pace { share: WHOLE, way: None };
+        for way in [[0; 3], [1, 0, 0], [i64::MAX; 3], [i64::MIN; 3], [i64::MIN, i64::MAX, 0]] {
+            for before in [[0; 3], [1, 0, 0], [i64::MAX; 3], [i64::MIN; 3], [i64::MAX, i64::MIN, 0]] {
+                assert!((WHOLE / 4..=4 * WHOLE).contains(&pace.after(way, before)), "{way:?} {before:?}");
+            }
+        }
+        let mut pace = pace;
+        let [far, near] = [i64::MAX, i64::MIN].map(|value| [value; STATES]);
+        assert_eq!(pace.next(near, far).map(|value| value > 0), [false; STATES]); // the way is limited to 2^63
+        assert_eq!(pace.next(far, near).map(|value| value < 0), [false; STATES]);
     }
 }

@@ -75,7 +75,9 @@ impl ReferenceRider {
 /// How near an observation's NIS was to the gate, as a share of it.
 fn from_gate(seen: &Observed) -> f64 {
     match seen.result {
-        Ok(Some(Outcome::Used { nis } | Outcome::Gated { nis: Some(nis) } | Outcome::Recovered { nis: Some(nis) })) => (nis / GATE - 1.0).abs(),
+        Ok(Some(Outcome::Used { nis } | Outcome::Gated { nis: Some(nis) } | Outcome::Recovered { nis: Some(nis) })) => {
+            (nis / GATE - 1.0).abs()
+        }
         _ => f64::INFINITY,
     }
 }
