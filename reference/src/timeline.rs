@@ -211,11 +211,13 @@ impl Timeline {
             return Err(Untimely::Duplicate);
         }
         if self.observations.len() == OBSERVATIONS {
-            let settles = self.frees_observations().ok_or(Untimely::Full)?;
-            if observation.time <= self.readings[settles - 1].time {
+            let settles = self.frees_observations();
+            // If nothing makes room, all but the newest reading would be settled for it.
+            let settled = settles.unwrap_or_else(|| self.readings.len().saturating_sub(1));
+            if self.readings[..settled].last().is_some_and(|reading| observation.time <= reading.time) {
                 return Err(Untimely::Late);
             }
-            (0..settles).for_each(|_| self.settle_next());
+            (0..settles.ok_or(Untimely::Full)?).for_each(|_| self.settle_next());
         }
         let place = self.observations.partition_point(|other| other.key() < observation.key());
         self.observations.insert(place, observation.clone());
@@ -500,6 +502,17 @@ mod tests {
         assert_eq!(timeline.counts().full, 1);
         timeline.read(&reading(200)).unwrap();
         assert_eq!(timeline.counts().filter.used, 8);
+    }
+
+    /// Where nothing makes room, all but the newest reading would be settled for it (TIME-9).
+    #[test]
+    fn what_would_be_late_is_late_even_where_the_queue_stays_full() {
+        let mut timeline = timeline();
+        (1..=2).for_each(|i| timeline.read(&reading(100 * i)).unwrap());
+        (1..=8).for_each(|i| assert_eq!(timeline.observe(&observation(200 + i, 1)), Ok(None)));
+        assert_eq!(timeline.observe(&observation(100, 1)), Err(Untimely::Late));
+        assert_eq!(timeline.observe(&observation(101, 1)), Err(Untimely::Full));
+        assert_eq!((timeline.counts().late, timeline.counts().full), (1, 1));
     }
 
     #[test]
