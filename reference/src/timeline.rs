@@ -194,9 +194,11 @@ impl Timeline {
             }
             self.settle_next();
         }
+        let is_newest = reading.time > self.time();
         let place = self.readings.partition_point(|other| other.time < reading.time);
         self.readings.insert(place, *reading);
-        while self.readings.first().is_some_and(|first| self.time().since(first.time) >= LATENESS) {
+        // TIME-6: a reading that comes late settles nothing, however old it is.
+        while is_newest && self.readings.first().is_some_and(|first| self.time().since(first.time) >= LATENESS) {
             self.settle_next();
         }
         self.replay(None);
@@ -502,6 +504,19 @@ mod tests {
         assert_eq!(timeline.counts().full, 1);
         timeline.read(&reading(200)).unwrap();
         assert_eq!(timeline.counts().filter.used, 8);
+    }
+
+    /// TIME-6: what is settled is so from when the newest reading changes.
+    #[test]
+    fn a_late_reading_settles_nothing() {
+        let mut timeline = timeline();
+        timeline.read(&reading(1000)).unwrap();
+        timeline.read(&reading(100)).unwrap();
+        assert_eq!(timeline.read(&reading(100)), Err(Untimely::Duplicate));
+        assert!(matches!(timeline.observe(&observation(50, 1)), Ok(Some(_))));
+        timeline.read(&reading(1100)).unwrap();
+        assert_eq!(timeline.read(&reading(100)), Err(Untimely::Late));
+        assert_eq!(timeline.observe(&observation(60, 1)), Err(Untimely::Late));
     }
 
     /// Where nothing makes room, all but the newest reading would be settled for it (TIME-9).
