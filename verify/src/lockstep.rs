@@ -296,7 +296,8 @@ impl Comparison<'_> {
                 self.marginal = true;
                 self.differs |= !same;
             } else {
-                self.exact(Stage::Accept, same);
+                let compared = r.fits.is_empty() && p.fits.is_empty();
+                self.exact(Stage::Accept, same && (!compared || r.refusal == p.refusal));
             }
         }
         if !self.apart {
@@ -609,6 +610,28 @@ mod tests {
             roi.outcome = Outcome::Refused(HypothesisRefusal::CutOff);
         };
         assert_eq!(failing(checked), [Stage::Hypotheses]);
+    }
+
+    /// SAME-6: after a fit either pipeline may say another reason, before it neither.
+    #[test]
+    fn why_a_candidate_was_refused_is_compared_where_no_fit_came_before() {
+        let (mut before, mut after) = (0, 0);
+        for [reference, mut port] in scenes() {
+            for i in 0..port.trials.len() {
+                let trial = port.trials[i].clone();
+                let Some((decoder, refusal)) = trial.refusal else { continue };
+                let other = [CandidateRefusal::Oblique, CandidateRefusal::Blur].into_iter().find(|one| *one != refusal);
+                port.trials[i].refusal = other.map(|other| (decoder, other));
+                let mut tally = Tally::default();
+                compare(&setting(), FRAME, &reference, &port, &mut tally);
+                let (expected, count) =
+                    if trial.fits.is_empty() { (vec![Stage::Accept], &mut before) } else { (vec![], &mut after) };
+                assert_eq!(tally.failing(), expected, "{trial:?}");
+                *count += 1;
+                port.trials[i] = trial;
+            }
+        }
+        assert!(before > 0 && after > 0, "{before} {after}");
     }
 
     /// A decision may differ where the reference's margin is below its declared error, and is counted there.
