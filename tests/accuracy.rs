@@ -72,6 +72,10 @@ fn the_fit_is_on_the_bound() {
 }
 
 /// The mean NEES in (a, s, k) lies in its 95 % band at nine of ten points, and in the 99.9 % band at all.
+//= reference/SPEC.md#fit
+//= type=test
+//# - **FIT-14** The covariance of `(a, s, k)` MUST be `s²` times that block of the inverse of the reduced normal
+//# equations' matrix, at the last step.
 #[test]
 fn the_covariance_of_the_image_is_honest() {
     let all = fitted(&Conditions::crossed(&[2.0, 1.0, 4.0, 8.0], &[0.3, 0.8]));

@@ -20,6 +20,14 @@ fn certify(plan: &Plan) -> Certificate {
 }
 
 /// A seed of its own, so that nothing was chosen by what seed 1 gives.
+//= reference/SPEC.md#range
+//= type=test
+//# - **RANGE-3** At 0° the detection rate of `paper` MUST be at least 99 % at every whole centimetre from 10 to 45 cm.
+//= reference/SPEC.md#same
+//= type=test
+//# - **SAME-5** The decisions of FIT, TRELLIS and ACCEPT MUST lead to the same detections unless the reference's own
+//# margin is below the bound of what it decides on, or the reference itself decides otherwise when its first fit begins
+//# up to 1/20 px away and its guard fit ends up to 1/20 of its standard deviations away.
 #[test]
 fn a_campaign_passes_and_gives_no_wrong_payload() {
     let plan = plan(100_000, 20_130_101);

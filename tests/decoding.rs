@@ -72,6 +72,10 @@ fn rates(format: Format, degrees: f64, pixels: f64, blur: f64) -> ([f64; 2], u64
 
 /// 99 % at a narrowest stripe of 1.25 px with a blur of 0.5 px, 98 % with any from 0.3 to 0.8 px; noise 2, rows wholly
 /// inside the code, frontally and under 60°. The paper's limit is 1.5 px.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-8** The half words MUST be checked as those of two decoded layers (MERGE-2, MERGE-3) when they have
+//# settled.
 #[test]
 fn stripes_of_five_quarters_of_a_pixel_are_decoded() {
     for format in Format::ALL {

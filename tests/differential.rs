@@ -196,6 +196,27 @@ fn views_by_any_camera() -> impl Strategy<Value = (Camera, Vec<Landmark>, Scene,
 }
 
 /// Sizes, focal lengths and principal columns that the port's formats cannot hold exactly; stripes of any width.
+//= reference/SPEC.md#fit
+//= type=test
+//# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of the normal equations from which each layer's own
+//# parameters have been eliminated, with 2^-8 added to the diagonal of the eliminated block.
+//= reference/SPEC.md#extent
+//= type=test
+//# - **EXTENT-5** A pair of which an extent shares a pixel with the same line's ROI or extent of a detection of any
+//# format MUST be left out.
+//= reference/SPEC.md#cov
+//= type=test
+//# - **COV-2** The mean of a fitted pose MUST be the mean of POSE over the five Gauss-Hermite nodes of `k`, at the mean
+//# of `(a, s)` given each.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-8** The decision margin MUST be the least change of the sum of squares over both layers and over the
+//# changes of one code stripe, of two neighbours that differ and of three neighbours of which each differs from the
+//# next, all other parameters kept and the pixel of a step of light left out.
+//= reference/SPEC.md#same
+//= type=test
+//# - **SAME-2** Homographies, fits, covariances and poses MUST differ by no more than the bound that the error budget
+//# derives.
 #[test]
 fn any_camera_and_stripe_width_give_the_same() {
     let tally = RefCell::new(Tally::default());
@@ -230,6 +251,88 @@ fn any_camera_and_stripe_width_give_the_same() {
     assert!(poses > 5_000, "only {poses} poses were compared");
 }
 
+//= reference/SPEC.md#homog
+//= type=test
+//# - **HOMOG-2** The first homography of an ROI MUST be that of the `4 N_guard` transitions of its guards: from the
+//# left end the edges `j = 0 .. 2 N_guard - 1`, from the right end `j = N .. N - 2 N_guard + 1`, each with the next
+//# transition inwards.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-1** Stripes MUST be sampled from the borders to the centre, alternating, the left one first: 0, N-1, 1,
+//# N-2, and so on.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-2** A stripe MUST have the colour of the region that contains the projection of its middle `t = (2 j +
+//# 1)/N - 1` by the homography at that time.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-5** A guard stripe `j` from either end that does not fall in the region `j` places from that end of the
+//# ROI MUST be refused (`Guard`).
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-6** A code stripe that does not fall in the region of the stripe sampled before it on its side, or in the
+//# next region inwards within the ROI, MUST be refused (`Transition`).
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-7** Where a code stripe falls in the next region inwards, the transition between both MUST be added to
+//# the homography as the edge between both stripes, and the homography be solved again before the next stripe.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-8** When all stripes are sampled, the left and the right side's last regions MUST be the same or
+//# neighbours, with the left one at the left, or else the ROI be refused (`Transition`).
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-9** Where SAMPLE-8 finds neighbours, the transition between both MUST be added as the middle edge `j =
+//# N/2`, and the homography be solved again.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-10** With `ρ = a + s t - k t z - z` the residual of a transition in HOMOG-1 by the last homography, an
+//# ROI MUST be refused (`Residual`) if two of its transitions that have one transition between them differ in ρ by more
+//# than `e/64` px, to which the whole-pixel rule adds 1 px and the local threshold 1 px.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-5** Pairs MUST be formed in the order of the upper layers, and for one upper layer in the order of the
+//# lower ones.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-6** Layers MUST be ordered as their seeds were taken, those of the global threshold before those of the
+//# local one.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-8** Each format MUST report its detections in the order of MERGE-5, those of TRELLIS after them, and the
+//# formats in the order in which they were asked for.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-9** A candidate MUST become a detection if ACCEPT accepts it, and otherwise be refused by the first of
+//# ACCEPT's reasons.
+//= reference/SPEC.md#extent
+//= type=test
+//# - **EXTENT-6** Pairs MUST be tried in the order of the upper extent's first pixel, its last pixel, the lower
+//# extent's first pixel and its last pixel.
+//= reference/SPEC.md#extent
+//= type=test
+//# - **EXTENT-7** Of each format at most 4 pairs MUST be tried, those of TRELLIS-9 first.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-9** A pair of layers of which at least one was found by the local threshold and whose code word CODE-8
+//# refuses MUST be decided again as one of EXTENT-7's pairs: fitted under a step of light from the merged homography,
+//# with the half words as they were read and a blur of 1/2, and then as TRELLIS-6 to TRELLIS-8 say, each fit from the
+//# one before it, under a step of light.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-1** A candidate of the threshold MUST be fitted (FIT) from its merged homography, under even light, and
+//# if that is refused or ACCEPT-6 would refuse it, under a step of light.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-11** A pair of extents of which a fit is refused MUST be refused (`NoFit`).
+//= reference/SPEC.md#same
+//= type=test
+//# - **SAME-1** Threshold, regions, hypotheses, crossings, refusals, decoded bits, pairs and payloads MUST be identical
+//# in both pipelines, except after a marginal decision.
+//= reference/SPEC.md#same
+//= type=test
+//# - **SAME-3** The decisions of HOMOG-3, SAMPLE-2 and SAMPLE-10 MUST be identical unless the reference's own margin is
+//# below the reference's declared error.
 #[test]
 fn a_million_arbitrary_lines_give_the_same() {
     let lines: u32 = std::env::var("BARLOC_LINES").map_or(1_000_000, |lines| lines.parse().expect("BARLOC_LINES"));

@@ -186,6 +186,21 @@ fn check_from(wheels: [f64; 2], deviations: [f64; 5], measure: Measure, seed: u6
     assert!(chain.wandered < 120.0, "the port holds 128 m");
 }
 
+//= reference/SPEC.md#motion
+//= type=test
+//# - **MOTION-2** With the ways `l` and `r` and the nominal axle `b`, the axle's middle MUST go `d = (l' + r')/2` and
+//# turn by `φ = (r' - l')/(b (1 + g))`, `l' = l (1 - e/2)` and `r' = r (1 + e/2)`.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-1** The wheels' ways MUST move the state, and the candidate of FILTER-6 if there is one, by MOTION.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-2** An observation MUST be linearised at the estimate and again towards where that leads (FILTER-9),
+//# until the position moves by less than 2e-5 m along x and y together and the heading by less than 2e-5 rad, 10 times
+//# at most.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-5** The covariance MUST become `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, or what is the same without rounding.
 #[test]
 fn five_states_stay_together() {
     check(true, Measure::Image, 1);

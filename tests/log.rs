@@ -85,6 +85,16 @@ fn bad_row(table: &str, header: &str, [before, after]: [&str; 2], bad: &str, rea
     assert_eq!((rows.used, rows.left_out, rows.warned, summary.faults[&reason].count), (2, 1, 0, 1), "{bad}");
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-4** Steps MUST be whole numbers from -32768 to 32767, and velocities at most 10 m/s and 100 rad/s.
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-7** Coordinates beyond ±100 m, angles beyond ±10^6 rad and numbers that are not finite MUST be refused.
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-8** A row that cannot be used MUST be left out alone, with file, line and reason in one line, and the rows
+//# after it be read.
 #[test]
 fn bad_readings_are_left_out_alone() {
     let long = format!("0.2,{},1", "1".repeat(9000));
@@ -131,6 +141,9 @@ fn a_line_that_is_not_utf_8_is_left_out_alone() {
     assert_eq!(arrivals(&items), [100_000, 300_000]);
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-6** A covariance MUST be positive definite, with variances of at most 10,000 m² and 10,000 rad².
 #[test]
 fn bad_observations_are_left_out_alone() {
     let good = |t: &str| format!("{t},1,2,3,0.5,0,3.1,1e-4,0,0,1e-4,1e-5,4e-4");
@@ -183,6 +196,10 @@ fn images(name: &str) -> PathBuf {
     folder
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-5** An image MUST be an 8-bit PNG or PNM file of the camera's size in or below the folder, whose times
+//# fulfil EXPOSE-2.
 #[test]
 fn bad_images_are_left_out_alone() {
     let folder = images("bad-images");
@@ -226,6 +243,10 @@ fn an_image_is_its_scan_lines() {
     assert_eq!(image.capture, capture);
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-2** A table whose first line that is not blank is none of its headers, name for name, MUST be refused as a
+//# whole.
 #[test]
 fn headers_are_known_or_the_whole_file_is_refused() {
     let refused = |text: &str| {
@@ -260,6 +281,9 @@ fn headers_are_known_or_the_whole_file_is_refused() {
     assert!(items.is_empty() && summary.files["odometry.csv"].used == 0);
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-9** A byte order mark, blank lines, lines that end in CR LF, and blanks around a field MUST be read over.
 #[test]
 fn marks_blank_lines_and_line_ends_of_others_are_read_over() {
     let text = "\u{feff}\r\n t_s , left_steps,right_steps \r\n\r\n 0.1 ,\t1,2\r\n\n\"0.2\",3,\"4\"\r\n0.3,x,1\r\n   \n0.4,5.0,+6\n";
@@ -271,6 +295,10 @@ fn marks_blank_lines_and_line_ends_of_others_are_read_over() {
     assert_eq!(sentences(&items), ["log/odometry.csv:7: left_steps: \"x\" is not a number"]);
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-10** A last line without a line end, a line of more than 8192 bytes, one that is not UTF-8, one with a quote
+//# that is not closed and one with too few or too many fields MUST be left out.
 #[test]
 fn a_file_that_ends_in_the_middle_of_a_line_loses_that_line() {
     for cut in ["0.2,1", "0.2,1,2", "0.2,\"1,2", "0."] {
@@ -283,6 +311,10 @@ fn a_file_that_ends_in_the_middle_of_a_line_loses_that_line() {
     assert!(sentences(&items).is_empty(), "blanks at the end are no line");
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-1** A log MUST be a folder with `odometry.csv`, at most one of `frames.csv` and `observations.csv`, and,
+//# where they exist, `truth.csv` and `robot.toml`; both of the two are refused.
 #[test]
 fn a_folder_has_one_kind_of_sights_and_odometry() {
     let folder = folder("both");
@@ -301,6 +333,11 @@ fn a_folder_has_one_kind_of_sights_and_odometry() {
     assert!(error(&folder).contains("frames.csv: cannot be read"), "{}", error(&folder));
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-12** A row whose arrival is before that of the row before it in its file MUST be warned, as a reading is
+//# that repeats the time before it, that comes more than 1 s after it, or that comes after more than five times the
+//# median of the up to 99 last steps of time.
 #[test]
 fn odd_times_are_warned_and_used() {
     let text = format!("{STEPS}0.1,1,1\n0.2,1,1\n0.15,1,1\n0.25,1,1\n0.25,1,1\n0.9,1,1\n2.0,1,1\n");
@@ -324,6 +361,10 @@ fn odd_times_are_warned_and_used() {
     assert_eq!((rows.used, rows.left_out, rows.warned), (9, 0, 5));
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-11** Rows MUST be delivered in the order of their arrival, which is `t_s` and of an image `t_processed_s`,
+//# at one time readings first, then what was seen, then the truth; within a file its own order stands.
 #[test]
 fn events_come_as_they_arrive() {
     let folder = images("order");
@@ -354,6 +395,10 @@ fn events_come_as_they_arrive() {
     assert_eq!(found, expected);
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-14** Reading MUST end with a summary of how many rows of each file were used and, by reason, left out and
+//# warned, with the first three places of each.
 #[test]
 fn the_summary_counts_by_reason_and_shows_the_first() {
     let bad = "0.0,x,1\n".repeat(20);
@@ -416,6 +461,9 @@ impl Read for Made {
 }
 
 /// No row is taken before those in front of it are delivered, but for a buffer's worth; what is kept of them is a few sentences.
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-13** The memory that reading takes MUST NOT grow with the number of rows.
 #[test]
 fn a_million_rows_take_no_more_memory_than_a_hundred() {
     let given = Rc::new(Cell::new(0));
@@ -507,6 +555,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
     /// What is written is read as the same numbers, and the same log gives the same bytes.
+    //= reference/SPEC.md#log
+    //= type=test
+    //# - **LOG-19** What is read from a written log MUST be the numbers that were written.
     #[test]
     fn what_is_written_is_read_as_the_same(
         readings in proptest::collection::vec((0..1_u64 << 40, any::<i16>(), any::<i16>()), 0..20),
@@ -546,6 +597,10 @@ proptest! {
     }
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-20** Of a written image the rows MUST be those of the nearer scan line, of two equally near ones the upper,
+//# so that first and last row are the scan lines of a camera that reads these.
 #[test]
 fn a_log_is_as_a_robot_would_write_it() {
     let folder = folder("written");
@@ -567,6 +622,9 @@ fn a_log_is_as_a_robot_would_write_it() {
     }
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-18** A log's files MUST be written whole or not at all, and the same log give the same bytes.
 #[test]
 fn a_log_that_is_not_finished_is_none() {
     let folder = folder("unfinished");
@@ -585,6 +643,10 @@ fn a_log_that_is_not_finished_is_none() {
     assert!(error.contains("notes.txt"), "{error}");
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-21** An estimate MUST be written as `t_s,x_m,y_m,theta_rad,c_xx,c_xy,c_xt,c_yy,c_yt,c_tt,event`, its numbers
+//# as the shortest decimals that are read as the same.
 #[test]
 fn estimates_are_written_in_their_shortest_form() {
     let folder = folder("estimates");

@@ -161,6 +161,9 @@ const KNOWN: [(Format, &str, [&str; 2]); 2] = [
     (Format::Wide, "0x305e2a", ["101000110000010111100101", "101000101010111111110101"]),
 ];
 
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-2** The edges of stripes and layers and the ends of the scale bar MUST lie within 0.02 mm of their place.
 #[test]
 fn edges_are_where_they_belong_in_both_outputs() {
     for (format, id, stripes) in KNOWN {
@@ -235,6 +238,19 @@ fn the_scale_bar_is_100_mm_long() {
 
 /// 3.75 mm beside and above the barcode, which is 2.5 stripes, and 8.3 mm below it, a third of a layer; the cut marks of
 /// a piece as wide as that stand at its corners (PRINT-3, PRINT-5, PRINT-6).
+//= reference/SPEC.md#land
+//= type=test
+//# - **LAND-5** The quiet zone MUST be white for at least 2.5 `X_dim` on either side of a barcode.
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-3** Inside the cut marks the paper MUST be white for at least 2.5 `X_dim` on either side of the barcode
+//# and above it.
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-5** Every piece MUST have cut marks at its corners that lie outside of it.
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-6** A piece's caption MUST stand below the barcode, at least a third of the stripe height away from it.
 #[test]
 fn the_quiet_zone_is_white_inside_the_cut_marks() {
     let folder = folder("quiet");
@@ -268,6 +284,10 @@ fn the_quiet_zone_is_white_inside_the_cut_marks() {
 }
 
 /// At resolutions that put edges between pixels, black stays black where bars touch.
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-4** Bars that touch along an edge, in one layer or across both, MUST be one outline, so that no light line
+//# runs through them whatever the resolution.
 #[test]
 fn no_light_line_runs_through_the_black() {
     for (format, id, stripes) in KNOWN {
@@ -315,6 +335,14 @@ fn ten_poses(folder: &Path) -> PathBuf {
 }
 
 /// The words by pdftotext, the black by resvg, which is built without text.
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-7** Every page MUST have a scale bar of 100 mm and say that the barcode's centre is mounted at the
+//# camera's height.
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-11** A caption MUST give the pose that the payload stands for, or the identifier, and the payload in
+//# hexadecimal digits.
 #[test]
 fn captions_overlap_nothing() {
     let folder = folder("captions");
@@ -344,6 +372,9 @@ fn captions_overlap_nothing() {
     assert!(said.contains("100 mm") && said.contains("x 2.7 m, y 3.15 m heading 337.5°"), "{said}");
 }
 
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-14** The same request MUST give the same bytes.
 #[test]
 fn a_long_sheet_has_several_pages_and_the_same_bytes_every_time() {
     let folder = folder("pages");
@@ -367,6 +398,9 @@ fn a_long_sheet_has_several_pages_and_the_same_bytes_every_time() {
     assert_eq!(pages, 3);
 }
 
+//= reference/SPEC.md#print
+//= type=test
+//# - **PRINT-13** Files MUST be written whole or not at all.
 #[test]
 fn bad_input_is_one_line_and_nothing_is_written() {
     let folder = folder("bad");

@@ -82,6 +82,12 @@ fn stay_together(report: &Report) {
     assert!(seen + gate <= 1 + report.runs as u64, "{:?}", report.decided_differently);
 }
 
+//= reference/SPEC.md#same
+//= type=test
+//# - **SAME-7** Along a route both filters that are given LAYER's measurements at EXPOSE-1's times MUST stay within 1
+//# mm and 0.1° of each other wherever they have decided alike (ROUTE-7), and decide otherwise only where one of them
+//# accepts a landmark that the other does not by SAME-5, where the reference's NIS is within 1 in 1,000 of FILTER-4's
+//# limit, or where they already have and not both used observations twice since.
 #[test]
 fn both_pipelines_stay_within_a_millimetre() {
     TRIANGLE.iter().for_each(stay_together);
@@ -158,6 +164,13 @@ fn lively(folder: &Path) -> PathBuf {
 }
 
 /// ROUTE-9
+//= reference/SPEC.md#route
+//= type=test
+//# - **ROUTE-1** Both pipelines and the wheels alone MUST be given the same events in the order of their arrival, of
+//# one time readings first, then images and observations: an image arrives when its processing ends.
+//= reference/SPEC.md#route
+//= type=test
+//# - **ROUTE-9** A log that is written of a run and replayed MUST give the same estimates, byte for byte.
 #[test]
 fn a_log_replays_to_the_same_bytes() {
     for (observe, states) in [("image", "5"), ("pose", "3"), ("paper", "3")] {
@@ -179,6 +192,10 @@ fn a_log_replays_to_the_same_bytes() {
 }
 
 /// Velocities and poses from elsewhere instead of steps and images.
+//= reference/SPEC.md#route
+//= type=test
+//# - **ROUTE-2** A sample MUST be what is believed when everything that has arrived by a reading's time was taken,
+//# beside where the robot is then.
 #[test]
 fn a_log_of_velocities_and_poses_is_replayed() {
     let folder = folder("poses");

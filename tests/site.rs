@@ -107,6 +107,10 @@ const ON_WALL: Barcode = Barcode { at: [1.0, 1.0], heading: PI };
 
 /// Frontally the barcode is in the image where `|y| + 15 mm <= 240/640 x` and near enough to 50 cm (1.5 px would do to
 /// 64 cm): `∫ 2 (0.375 x - 0.015) dx` from 0.04 to 0.5 is 0.07935 m² of the region's 1.4 m².
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-14** A region MUST be looked at from the middles of square cells, by default of 20 mm, each with equally
+//# many headings, by default 72.
 #[test]
 fn the_frontal_share_is_the_trapezium_s() {
     let site = parse(&format!("{WALL}[region]\npolygon_m = [[0.0, 0.3], [1.0, 0.3], [1.0, 1.7], [0.0, 1.7]]"));
@@ -131,6 +135,12 @@ fn monte_carlo(seed: u64, [low, high]: [Point; 2], read: impl Fn(Point, f64) -> 
     (share, (share * (1.0 - share) / f64::from(draws)).sqrt())
 }
 
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-10** A landmark MUST count as readable from a pose of the robot where the camera is in front of its wall,
+//# all of its edges are in the image at a positive depth of at most RANGE-2's distance at 0°, its narrowest stripe is
+//# at least `L_min` (RANGE-1) wide, and no wall comes between the camera and any part of the barcode, but for the last
+//# 2 mm before it.
 #[test]
 fn shares_are_those_of_random_poses_by_another_account() {
     let region = "[region]\npolygon_m = [[0.4, 0.5], [1.0, 0.5], [1.0, 1.5], [0.4, 1.5]]";
@@ -177,6 +187,10 @@ fn a_wall_across_the_view_hides_everything() {
 }
 
 /// Two barcodes of 30 mm: with a gap of 40 mm, less than 1.5 widths, they crowd each other; with 50 mm they do not.
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-11** A landmark MUST NOT count as readable where another one that darkens the image is nearer to it there
+//# than 1.5 times the narrower of both barcodes.
 #[test]
 fn neighbours_in_the_image_are_told_apart_from_one_and_a_half_widths_on() {
     let camera = Camera::epuck();
@@ -286,6 +300,9 @@ fn along_triangle(site: &Site, step: f64) -> Vec<(f64, Point, f64)> {
     found
 }
 
+//= reference/SPEC.md#place
+//= type=test
+//# - **PLACE-2** The gap MUST by default be 1 m.
 #[test]
 fn placing_on_the_triangle_keeps_to_the_gap_with_the_fewest() {
     let output = folder("place").join("placed.toml");
@@ -316,6 +333,11 @@ fn placing_on_the_triangle_keeps_to_the_gap_with_the_fewest() {
 }
 
 /// The bound's own evidence: no point of the grid on an outer wall is readable from two of the stretches that it names.
+//= reference/SPEC.md#place
+//= type=test
+//# - **PLACE-8** The number of landmarks MUST be reported with a lower bound: the most of the linear relaxation's
+//# optimum, rounded up, the number of windows of which no landmark serves two, and, if branch and bound came to its
+//# end, its optimum.
 #[test]
 fn no_landmark_serves_two_of_the_bound_s_stretches() {
     let report = json(&barloc(&["place", "--json", TRIANGLE]));
@@ -368,6 +390,18 @@ fn landmarks_that_are_there_count_and_stay() {
 /// barcode of 30 mm is not hidden is y = 0.55: its inner edge is seen at 640 * 35/460 = 48.7 px from the axis at first. The
 /// fine barcode ends at 640 * 5/260 = 12.3 px and is 24.6 px wide, the narrower of both, so that the gap of 36.4 px is less
 /// than 1.5 of it, 36.9 px; at the end it is 38.8 px of 43.6 px. At y = 0.575 it is 71.2 px.
+//= reference/SPEC.md#place
+//= type=test
+//# - **PLACE-1** Landmarks MUST be put on points of the grid that lie on a wall (SITE-5), with the normal of a visible
+//# face as heading, inside the codes and with unequal halves (CODE-6).
+//= reference/SPEC.md#place
+//= type=test
+//# - **PLACE-6** Two landmarks that crowd each other in the image (SITE-11) from a sample of the route MUST be excluded
+//# as a pair, if otherwise the check fails, and the choice made again.
+//= reference/SPEC.md#place
+//= type=test
+//# - **PLACE-7** The result MUST be checked as the site that it is, by SITE-10 to SITE-13 at a fifth of the step, and
+//# be refused if its longest gap is above `G`.
 #[test]
 fn a_neighbour_in_the_image_moves_the_landmark_on() {
     let site = |fine: &str| {
@@ -425,6 +459,10 @@ fn assert_refused(output: &Output, words: &[&str]) {
     assert!(words.iter().all(|word| complaint.contains(word)), "{complaint} lacks {words:?}");
 }
 
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-15** The heat map MUST show walls, landmarks, the route, the share of headings with a colour legend, axes
+//# in metres and a scale.
 #[test]
 fn the_same_bytes_whatever_the_threads() {
     let folder = folder("threads");
@@ -449,6 +487,22 @@ fn the_same_bytes_whatever_the_threads() {
 /// The triangle's grid on a wall from (0, 0) to (2, 0) that is seen from the left.
 const ROOM: &str = "[grid]\nstep_mm = [50, 50]\n[[wall]]\nfrom_m = [0.0, 0.0]\nto_m = [2.0, 0.0]\nface = \"left\"\n";
 
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-2** Whatever is wrong with a site file MUST be reported in one line with the file, the line and, where
+//# there is one, the key.
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-3** Unknown keys, keys without their unit, numbers that are not finite, sizes that are not above 0, walls
+//# and legs shorter than 1 mm, and coordinates beyond 1000 m MUST be refused.
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-5** A landmark MUST be refused unless it hangs on a wall: its centre at most 1 mm from the wall's plane,
+//# its heading at most 0.01 rad from the normal of a visible face, its barcode and quiet zones between the wall's ends.
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-7** Two landmarks of which one's barcode reaches into the other's barcode or quiet zone, or that carry the
+//# same payload in the same format, MUST be refused.
 #[test]
 fn what_is_wrong_is_said_with_line_and_key() {
     // What is added behind the six lines of the room, the line, the key, and words of the sentence.

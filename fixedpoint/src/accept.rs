@@ -51,6 +51,9 @@ impl Limits {
     }
 
     /// Whether the noise is explained (`ACCEPT-6`), exactly.
+    //= reference/SPEC.md#accept
+    //# - **ACCEPT-6** The noise MUST be explained, `s² <= v` with `v = (ḡ/16)² + 9`, and `v = (ḡ/32)² + 9` for TRELLIS
+    //# (`Misfit`).
     fn explain(&self, fitted: &Fitted) -> bool {
         4 * self.contrast * self.contrast * u64::from(fitted.variance) <= self.noise(fitted)
     }
@@ -65,6 +68,10 @@ impl Limits {
     ///
     /// Either side has 16 fraction bits. With [`Correlations`] below 2^48 the left one is below 2^62.6; the right one is below
     /// 2^48.4, `n` being at most 1280.
+    //= reference/SPEC.md#accept
+    //# - **ACCEPT-15** What a barcode leaves unexplained MUST look like noise: of the `n` pixels that were fitted, less
+    //# their model, the products of neighbours and those of pixels with one pixel between them, each summed over both
+    //# layers, come to at most `n v/6` (`Correlated`).
     fn take_for_noise(&self, left: &Correlations, fitted: &Fitted) -> bool {
         let limit = u64::from(left.pixels) * self.noise(fitted);
         let beyond = |sum: i64| u64::try_from(sum).is_ok_and(|sum| 24 * self.contrast * self.contrast * sum > limit);
@@ -72,6 +79,8 @@ impl Limits {
     }
 
     /// Whether the margin is wide enough (`ACCEPT-7`), exactly.
+    //= reference/SPEC.md#accept
+    //# - **ACCEPT-7** The decision margin MUST be at least `ḡ²/8`, and `ḡ²/4` for TRELLIS (`Margin`).
     fn decide(&self, margin: Squares, fitted: &Fitted) -> bool {
         u64::try_from(margin).is_ok_and(|margin| (4 * self.margin * margin) << 8 >= twice_gain_squared(fitted))
     }
@@ -175,6 +184,10 @@ fn pixels_apart(rule: CrossingRule, local: bool) -> u8 {
 
 /// Whether two layers see one barcode (`ACCEPT-2`), exactly, the lower one less the shift and with a play in `a` (`SKEW-6`); `s` is
 /// that of the merged homography.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-2** Of a candidate of the threshold, both layers' homographies MUST agree within 1 px in `a` and in `s`
+//# and within `1/20 + 1/s` in `k`, to which the whole-pixel rule adds 1 px, 1 px and 1/s, and a layer of the local
+//# threshold as much (`Disagree`).
 fn agree(upper: &Homography, lower: &Homography, merged: &Homography, pixels: u8, play: u32) -> bool {
     let pixels = i128::from(pixels);
     let apart = |one: i32, other: i32| i128::from(one.abs_diff(other));
@@ -196,6 +209,9 @@ enum Fits {
 }
 
 /// The fit of one layer or both, under even light or under a step of light (`ACCEPT-1`); none if both are refused.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-1** A candidate of the threshold MUST be fitted (FIT) from its merged homography, under even light, and
+//# if that is refused or ACCEPT-6 would refuse it, under a step of light.
 #[inline(never)] // what it keeps on the stack is gone before the candidate is decided
 fn fit_threshold<O: Observer>(
     layers: &[FitLayer<'_>],
@@ -217,6 +233,10 @@ fn fit_threshold<O: Observer>(
 }
 
 /// The fits of both layers, each from its own homography (`SKEW-7`); none if one of them has none.
+//= reference/SPEC.md#skew
+//# - **SKEW-7** The layers of a moving camera MUST each be fitted alone from their own homography as ACCEPT-1 says, the
+//# fit of each be asked ACCEPT-3 to ACCEPT-9 and ACCEPT-12 to ACCEPT-17 alone, the upper one first, and both together
+//# ACCEPT-4's ratio of the gains before that; where either has no fit, ACCEPT-10 decides.
 fn fit_each<O: Observer>(
     candidate: &Candidate,
     homographies: [&Homography; 2],
@@ -250,6 +270,10 @@ fn accept_joint(
 }
 
 /// Decides by the fits of each layer alone, the upper one first (`SKEW-7`); the detection is the upper one's (`SKEW-8`).
+//= reference/SPEC.md#skew
+//# - **SKEW-8** What a detection of a moving camera says MUST be what is seen at the upper row's time: by the upper
+//# layer's fit, or without a fit by MERGE-4's mean of `s` and `k`, the lower layer's less the shift, and the upper
+//# layer's `a`.
 fn accept_each(
     candidate: &Candidate,
     fits: &[Fitted; 2],
@@ -268,6 +292,13 @@ fn accept_each(
 
 /// Decides by the fit of one layer or both (`ACCEPT-3` to `ACCEPT-9`, `ACCEPT-12` to `ACCEPT-17`), `ḡ` being the gain where there
 /// is one layer.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-5** The blur MUST be at most 1 px, and 0.9 px for TRELLIS (`Blur`).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-9** ACCEPT-2 to ACCEPT-4, ACCEPT-14, ACCEPT-5, ACCEPT-6, ACCEPT-13, ACCEPT-15, ACCEPT-16 and ACCEPT-7
+//# MUST be asked in this order, and the first that fails be reported.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-12** A candidate MUST be refused (`Undetermined`) by COV-4 last.
 #[inline(never)] // what it keeps on the stack is not there during the fits
 fn accept_fitted(
     layers: &[FitLayer<'_>],
@@ -306,6 +337,10 @@ fn accept_fitted(
 }
 
 /// Decides without a fit (`ACCEPT-10`).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-10** A candidate of the threshold whose fits both are refused MUST be accepted by ACCEPT-2 and ACCEPT-3
+//# alone, on its merged homography, with the paper's estimate and covariance (COV-5), and say so, if the global
+//# threshold found both layers, and otherwise be refused (`NoFit`).
 #[inline(never)] // likewise
 fn accept_merged(
     candidate: &Candidate,
@@ -322,6 +357,8 @@ fn accept_merged(
 }
 
 /// Whether a camera can see it (`ACCEPT-3`), exactly. Both sides have 46 fraction bits and are below 2^60.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-3** The obliquity MUST be one that a camera can see, `f |k| <= 3 s` (`Oblique`).
 fn is_visible(homography: &Homography, camera: &Camera) -> bool {
     let k = u64::from(homography.k.to_bits().unsigned_abs());
     let s = u64::try_from(homography.s.to_bits()).unwrap_or(0);
@@ -341,6 +378,8 @@ fn gain(alone: &Fitted) -> i32 {
 }
 
 /// Whether one layer or both have contrast, and neither more than twice that of the other (`ACCEPT-4`), exactly.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-4** Both gains MUST be at most -12 grey levels, and neither more than twice the other (`Contrast`).
 fn has_contrast(lights: &[LayerLight]) -> bool {
     let matched = match lights {
         [upper, lower] => gains_match(upper.gain, lower.gain),
@@ -371,6 +410,8 @@ fn twice_gain_squared(fitted: &Fitted) -> u64 {
 /// light, exactly.
 ///
 /// `o + g` is within ±2^18.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-14** Under even light `8 (o + g)` MUST be at least `ḡ` in both layers (`Contrast`).
 fn black_is_possible(lights: &[LayerLight]) -> bool {
     lights.iter().all(|light| light.step.is_some() || 16 * (light.offset + light.gain) >= twice_gain(lights))
 }
@@ -383,6 +424,9 @@ fn edges(fitted: &Fitted, setting: &Setting<'_>) -> Edges {
 /// Whether the pixels that the camera limited are about as dark or as bright by the model (`ACCEPT-13`).
 ///
 /// The errors of a model are those of [`crate::light::Seen::change`] and of the ink.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-13** The model of a pixel of the value 255 that FIT-5 left out of a window MUST be at least `255 - 2
+//# sqrt(v)`, and that of one of the value 0 at most `2 sqrt(v)`, but for the pixel of a step of light (`Misfit`).
 fn limited_pixels_fit(layers: &[FitLayer<'_>], limits: &Limits, fitted: &Fitted, setting: &Setting<'_>) -> bool {
     let (format, edges) = (setting.landmark.format, edges(fitted, setting));
     layers.iter().zip(&fitted.lights).all(|(layer, light)| {
@@ -402,6 +446,10 @@ fn correlations(layers: &[FitLayer<'_>], fitted: &Fitted, setting: &Setting<'_>)
 }
 
 /// Whether there is a quiet zone on either side of every layer (`ACCEPT-16`); see [`quiet_zone::is_clear`].
+//= reference/SPEC.md#accept
+//# - **ACCEPT-16** Of the nearest `4 q` pixels on either side of each layer's ROI or extent, with `q` the least number
+//# for which `N (q + 1) >= 2 e`, the nearest `q` MUST be white, or else those before one of them white, and it and all
+//# others dark (`QuietZone`).
 fn has_quiet_zones(layers: &[FitLayer<'_>], fitted: &Fitted, setting: &Setting<'_>) -> bool {
     let (format, edges) = (setting.landmark.format, edges(fitted, setting));
     let contrast = twice_gain(&fitted.lights).unsigned_abs();
@@ -409,6 +457,10 @@ fn has_quiet_zones(layers: &[FitLayer<'_>], fitted: &Fitted, setting: &Setting<'
 }
 
 /// The decision margin of layers (`ACCEPT-8`), the least of each one's; see [`margin::least_change`].
+//= reference/SPEC.md#accept
+//# - **ACCEPT-8** The decision margin MUST be the least change of the sum of squares over both layers and over the
+//# changes of one code stripe, of two neighbours that differ and of three neighbours of which each differs from the
+//# next, all other parameters kept and the pixel of a step of light left out.
 #[must_use]
 pub fn margin(layers: &[FitLayer<'_>], fitted: &Fitted, setting: &Setting<'_>) -> Squares {
     let (format, edges) = (setting.landmark.format, edges(fitted, setting));

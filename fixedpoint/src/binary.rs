@@ -56,6 +56,12 @@ mod tests {
         assert_eq!([0, 1, 2, 3, 4, -4].map(size), [0, 1, 2, 2, 3, 3]);
     }
 
+    #[test]
+    fn products_out_of_range_keep_their_signs() {
+        assert_eq!((product(i64::MAX, 2, 0), product(i64::MIN, -1, 0)), (i64::MAX, i64::MAX));
+        assert_eq!((product(i64::MIN, 2, 0), product(i64::MAX, -3, 1)), (i64::MIN, i64::MIN));
+    }
+
     proptest! {
         #[test]
         fn scaling_rounds_and_saturates(value in any::<i64>(), fewer in 0_u32..63, exponent in -70_i32..70) {

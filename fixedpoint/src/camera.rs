@@ -22,6 +22,11 @@ impl Camera {
     /// # Errors
     /// Unless the width is in 32 to 640 px, the focal length in `width/2` to 2048 px and the principal column in 0 to
     /// `width - 1`.
+    //= reference/SPEC.md#cam
+    //# - **CAM-7** A camera whose width is outside 32 to 640 px, whose focal length is outside `Q_x/2` to 2048 px,
+    //# whose vertical focal length is outside 1 to 2048 px, whose principal column is outside 0 to `Q_x - 1`, whose
+    //# height is outside 2 to 4096 rows, or whose scan lines are not two rows of the image, the upper above the lower,
+    //# MUST be refused.
     pub fn new(width: u16, principal_column: Column, focal_length: FocalLength) -> Result<Self, CameraRefusal> {
         if !(32..=MAX_WIDTH).contains(&width) {
             return Err(CameraRefusal::Width);
@@ -78,6 +83,12 @@ mod tests {
         assert_eq!(camera(480, 239.5, 640.0), Ok(Camera::epuck()));
     }
 
+    //= reference/SPEC.md#cam
+    //= type=test
+    //# - **CAM-7** A camera whose width is outside 32 to 640 px, whose focal length is outside `Q_x/2` to 2048 px,
+    //# whose vertical focal length is outside 1 to 2048 px, whose principal column is outside 0 to `Q_x - 1`, whose
+    //# height is outside 2 to 4096 rows, or whose scan lines are not two rows of the image, the upper above the lower,
+    //# MUST be refused.
     #[test]
     fn the_domain_of_cam_7_is_kept() {
         assert_eq!(camera(31, 15.0, 640.0), Err(CameraRefusal::Width));

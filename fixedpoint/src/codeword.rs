@@ -8,6 +8,17 @@ use crate::refusal::{EncodeRefusal, PairRefusal};
 ///
 /// # Errors
 /// `TooLarge` if the payload does not fit the format (`CODE-5`), `EqualHalves` if both halves would be equal (`CODE-6`).
+//= reference/SPEC.md#code
+//# - **CODE-1** The code word MUST be the payload followed by its check byte, most significant bit first.
+//= reference/SPEC.md#code
+//# - **CODE-3** Bits MUST become stripes by NRZ: 1 is a bar (black), 0 a space (white).
+//= reference/SPEC.md#code
+//# - **CODE-4** The first half of the code word MUST stand on the upper layer and the second half on the lower, each
+//# from left to right as seen.
+//= reference/SPEC.md#code
+//# - **CODE-5** Encoding MUST refuse a payload that does not fit the format.
+//= reference/SPEC.md#code
+//# - **CODE-6** Encoding MUST refuse a payload whose code word has two equal halves (`EqualHalves`).
 pub fn encode(format: Format, payload: u32) -> Result<(u16, u16), EncodeRefusal> {
     // At most 24 bits, so the code word fits 32.
     if payload >> format.payload_bits() != 0 {
@@ -26,6 +37,10 @@ pub fn encode(format: Format, payload: u32) -> Result<(u16, u16), EncodeRefusal>
 ///
 /// # Errors
 /// `EqualHalves` (`CODE-7`), and then `Crc` (`CODE-8`): the order of `MERGE-3`.
+//= reference/SPEC.md#code
+//# - **CODE-7** Decoding MUST refuse a code word with two equal halves (`EqualHalves`).
+//= reference/SPEC.md#code
+//# - **CODE-8** Decoding MUST refuse a code word whose check byte is wrong (`Crc`).
 pub fn decode(format: Format, upper: u16, lower: u16) -> Result<u32, PairRefusal> {
     let upper = low_half(format, u32::from(upper));
     let lower = low_half(format, u32::from(lower));
@@ -48,6 +63,9 @@ fn low_half(format: Format, word: u32) -> u16 {
 }
 
 /// The check byte of a payload: its bytes most significant first, two of `paper` and three of `wide` (`CODE-2`).
+//= reference/SPEC.md#code
+//# - **CODE-2** The check byte MUST be CRC-8/AUTOSAR (polynomial 0x2F, initial value 0xFF, no reflection, final
+//# exclusive-or 0xFF) over the payload's bytes, most significant byte first.
 fn check_byte(format: Format, payload: u32) -> u8 {
     let [_, high, middle, low] = payload.to_be_bytes();
     match format {
@@ -74,6 +92,10 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    //= reference/SPEC.md#code
+    //= type=test
+    //# - **CODE-2** The check byte MUST be CRC-8/AUTOSAR (polynomial 0x2F, initial value 0xFF, no reflection, final
+    //# exclusive-or 0xFF) over the payload's bytes, most significant byte first.
     #[test]
     fn the_check_byte_is_crc_8_autosar() {
         // The catalogue's check value, and test vectors of AUTOSAR's specification of CRC routines.
@@ -84,6 +106,9 @@ mod tests {
         assert_eq!(crc8(&[0x92, 0x6B, 0x55]), 0x33);
     }
 
+    //= reference/SPEC.md#code
+    //= type=test
+    //# - **CODE-6** Encoding MUST refuse a payload whose code word has two equal halves (`EqualHalves`).
     #[test]
     fn every_payload_of_paper_survives_or_has_equal_halves() {
         let mut equal_halves = 0;
@@ -102,6 +127,9 @@ mod tests {
         assert_eq!(equal_halves, 32);
     }
 
+    //= reference/SPEC.md#code
+    //= type=test
+    //# - **CODE-1** The code word MUST be the payload followed by its check byte, most significant bit first.
     #[test]
     fn a_code_word_is_payload_then_check_byte() {
         // Bytes F2 01 83 and their check byte C2, from the vectors above.
@@ -111,6 +139,9 @@ mod tests {
         assert_eq!(encode(Format::Paper, 0x1234), Ok((0x123, 0x400 | check)));
     }
 
+    //= reference/SPEC.md#code
+    //= type=test
+    //# - **CODE-5** Encoding MUST refuse a payload that does not fit the format.
     #[test]
     fn payloads_that_do_not_fit_are_refused() {
         assert_eq!(encode(Format::Paper, 1 << 16), Err(EncodeRefusal::TooLarge));
@@ -118,6 +149,9 @@ mod tests {
         assert_eq!(encode(Format::Wide, u32::MAX), Err(EncodeRefusal::TooLarge));
     }
 
+    //= reference/SPEC.md#code
+    //= type=test
+    //# - **CODE-7** Decoding MUST refuse a code word with two equal halves (`EqualHalves`).
     #[test]
     fn equal_halves_are_refused_before_the_check_byte() {
         // All white and all black have wrong check bytes, too.
@@ -134,6 +168,9 @@ mod tests {
             }
         }
 
+        //= reference/SPEC.md#code
+        //= type=test
+        //# - **CODE-8** Decoding MUST refuse a code word whose check byte is wrong (`Crc`).
         #[test]
         fn one_wrong_stripe_is_noticed(payload in 0_u32..1 << 24, bit in 0_u32..32) {
             if let Ok((upper, lower)) = encode(Format::Wide, payload) {

@@ -6,7 +6,7 @@
 //!
 //! `x: -W m/ρ², (W f - 2 s x)/ρ²`, `y: -W s/ρ², -(W a + 2 s y)/ρ²`, `θ: 0, m/ρ²`.
 
-mod exponential;
+pub mod exponential;
 mod node;
 mod paper;
 mod spread;
@@ -114,6 +114,15 @@ const NODES: [(i64, i64); 5] = [
 ///
 /// # Errors
 /// `Undetermined` by `COV-4`.
+//= reference/SPEC.md#cov
+//# - **COV-1** The distribution of `(a, s, k)` MUST be split into that of `k` and that of `(a, s)` given `k`, whose
+//# mean moves by `Σ_{as,k}/Σ_kk` per unit of k and whose covariance is `Σ_as - Σ_{as,k} Σ_{k,as}/Σ_kk`.
+//= reference/SPEC.md#cov
+//# - **COV-2** The mean of a fitted pose MUST be the mean of POSE over the five Gauss-Hermite nodes of `k`, at the mean
+//# of `(a, s)` given each.
+//= reference/SPEC.md#cov
+//# - **COV-3** Its covariance MUST be that of the five nodes about their mean, plus the mean over the nodes of the
+//# covariance of `(a, s)` given `k` carried through the derivatives of POSE by `a` and `s`.
 pub fn transform(
     homography: &Homography,
     covariance: &Covariance,
@@ -143,6 +152,9 @@ pub fn transform(
 /// Whether `f² Σ_kk <= s²/16` (`COV-4`).
 ///
 /// Error: 2^-40 px² of 16 times the left side.
+//= reference/SPEC.md#cov
+//# - **COV-4** The pose and the covariance that a detection reports MUST be these, and a fit count as undetermined if
+//# `f sqrt(Σ_kk) > s/4`, where the heading is so uncertain that no Gaussian can say it.
 #[must_use]
 pub fn is_determined(homography: &Homography, covariance: &Covariance, camera: &Camera) -> bool {
     let f = i64::from(camera.focal_length().to_bits()); // 16 fraction bits

@@ -49,6 +49,8 @@ impl Grid {
     /// The grid of an ROI; `None` if it is wider than 2047 px, which no camera is (`CROSS-1`).
     ///
     /// `(e + 1) 2^Q <= 4096` bounds the outermost transitions, `(e + 1)/2` px from the middle, to ±2048.
+    //= reference/SPEC.md#cross
+    //# - **CROSS-1** `Q` MUST be the largest integer for which `(e + 1) 2^Q <= 4096`, e being the ROI's extent.
     #[must_use]
     pub fn new(hypothesis: &Hypothesis) -> Option<Self> {
         let subpixel_bits = (1..=8_u8).rev().find(|&bits| (hypothesis.extent() + 1) << bits <= 4096)?;
@@ -77,6 +79,12 @@ impl Grid {
     /// The transition at the left end of a region (`CROSS-2`, `CROSS-3`), rounded to the nearest unit, halves up.
     ///
     /// `None` if the region has no pixel at its left, or outside ±2048: never for the transitions of this ROI.
+    //= reference/SPEC.md#cross
+    //# - **CROSS-2** By the `interpolated` rule, the default, the transition between the pixels `i` and `i + 1` MUST
+    //# lie at `i + e_0/(e_0 + e_1)`, with `e_0 = |2 I_i - T2(i)|` and `e_1 = |2 I_{i+1} - T2(i+1)|`, rounded to the
+    //# nearest unit, halves up.
+    //= reference/SPEC.md#cross
+    //# - **CROSS-3** By the `whole-pixel` rule, the paper's, the transition MUST lie at `i + 1/2`.
     #[must_use]
     pub fn transition(&self, rule: CrossingRule, scan: &Scan<'_>, region: u8) -> Option<i16> {
         let right = scan.regions.first(region)?;
@@ -115,6 +123,9 @@ mod tests {
         Hypothesis { first_region: 1, last_region: 7, first_pixel, last_pixel }
     }
 
+    //= reference/SPEC.md#cross
+    //= type=test
+    //# - **CROSS-1** `Q` MUST be the largest integer for which `(e + 1) 2^Q <= 4096`, e being the ROI's extent.
     #[test]
     fn the_unit_is_as_fine_as_the_extent_allows() {
         let bits = |extent: u16| Grid::new(&hypothesis(1, extent)).map(|grid| grid.subpixel_bits);
@@ -150,6 +161,11 @@ mod tests {
         Grid::new(&hypothesis(10, 24)).unwrap().transition(rule, &scan, 1).unwrap()
     }
 
+    //= reference/SPEC.md#cross
+    //= type=test
+    //# - **CROSS-2** By the `interpolated` rule, the default, the transition between the pixels `i` and `i + 1` MUST
+    //# lie at `i + e_0/(e_0 + e_1)`, with `e_0 = |2 I_i - T2(i)|` and `e_1 = |2 I_{i+1} - T2(i+1)|`, rounded to the
+    //# nearest unit, halves up.
     #[test]
     fn interpolated_transitions_lie_where_the_threshold_is_met() {
         // T = 127.5.
@@ -195,6 +211,9 @@ mod tests {
         assert_eq!(grid.transition(CrossingRule::Interpolated, &scan, 2), Some(2048));
     }
 
+    //= reference/SPEC.md#cross
+    //= type=test
+    //# - **CROSS-3** By the `whole-pixel` rule, the paper's, the transition MUST lie at `i + 1/2`.
     #[test]
     fn whole_pixel_transitions_lie_half_way() {
         assert_eq!(share(CrossingRule::WholePixel, 0, 150), 128);

@@ -31,6 +31,9 @@ pub struct DecodedLayer {
 ///
 /// # Errors
 /// `Repeated`, and as [`hypotheses::check`] and [`sampling::sample`].
+//= reference/SPEC.md#hypo
+//# - **HYPO-10** HYPO-12, HYPO-6 to HYPO-9 and then HYPO-11 MUST be applied in this order and the first that holds be
+//# reported.
 pub fn decode<O: Observer>(
     scan: &Scan<'_>,
     hypothesis: &Hypothesis,
@@ -55,6 +58,9 @@ pub fn decode<O: Observer>(
 }
 
 /// Whether an ROI of the local threshold shows what the global one has decoded (`HYPO-12`).
+//= reference/SPEC.md#hypo
+//# - **HYPO-12** An ROI of the local threshold that shares a pixel with an ROI of the same line which was decoded in
+//# the same format by the global threshold MUST be refused (`Repeated`).
 fn repeats(hypothesis: &Hypothesis, before: &[DecodedLayer]) -> bool {
     before
         .iter()
@@ -63,6 +69,9 @@ fn repeats(hypothesis: &Hypothesis, before: &[DecodedLayer]) -> bool {
 }
 
 /// The colours of the code stripes, black as 1, the left-most as the most significant bit (`DECODE-1`).
+//= reference/SPEC.md#decode
+//# - **DECODE-1** The half word MUST be the colours of the `N_code` stripes between the guards, black as 1, the
+//# left-most stripe as the most significant bit.
 #[must_use]
 pub fn half_word(stripes: &Stripes, format: Format) -> u16 {
     let guard = 2 * GUARD_PAIRS;
@@ -115,6 +124,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-12** An ROI of the local threshold that shares a pixel with an ROI of the same line which was decoded
+    //# in the same format by the global threshold MUST be refused (`Repeated`).
     #[test]
     fn only_a_local_roi_repeats_and_only_a_global_layer() {
         use Thresholding::{Global, Local};

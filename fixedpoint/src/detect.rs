@@ -116,6 +116,16 @@ impl FormatLayers {
 /// has (`LINE-3`); why, the observer hears.
 ///
 /// Both lines are taken to be exposed at the same time, or the camera to be at rest.
+//= reference/SPEC.md#line
+//# - **LINE-1** A scan line MUST be a slice of 8-bit grey values, one for each column of the camera.
+//= reference/SPEC.md#line
+//# - **LINE-3** A refusal on one scan line MUST NOT change the results of the other.
+//= reference/SPEC.md#line
+//# - **LINE-4** Several formats MUST be searched one after the other, each as if it were the only one but for EXTENT-5,
+//# before MERGE-7 compares them.
+//= reference/SPEC.md#line
+//# - **LINE-5** The upper line MUST be searched before the lower one, each in all formats by its global threshold
+//# (THRESH-1) and then in all formats by its local one (THRESH-6).
 pub fn detect<O: Observer>(
     upper: &[u8],
     lower: &[u8],
@@ -194,6 +204,8 @@ impl<O: Observer> Search<'_, O> {
 
     /// Reads what both thresholds are found from.
     fn read(&self, blocks: &mut Blocks) -> Result<Threshold, LineRefusal> {
+        //= reference/SPEC.md#line
+        //# - **LINE-2** A scan line whose length is not the camera's width MUST be refused (`Width`).
         // LINE-2
         if self.line.len() != usize::from(self.camera.width()) {
             return Err(LineRefusal::Width);
@@ -219,6 +231,9 @@ impl<O: Observer> Search<'_, O> {
     }
 
     /// Decodes the layers of one format, in the order of their seeds, until they are too many (`DECODE-2`).
+    //= reference/SPEC.md#decode
+    //# - **DECODE-2** A line MUST give no layers of a format of which it has more than 8 by both thresholds together,
+    //# and the search in that format end with the ninth (`TooManyLayers`).
     fn decode(&mut self, scan: &Scan<'_>, format: Format, taken: &mut Taken) -> Result<(), LineRefusal> {
         let found = self.layers.of_mut(format);
         if found.too_many {

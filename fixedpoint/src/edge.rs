@@ -96,6 +96,10 @@ impl Blur {
 /// The ink `c(u)` that an edge from white to black brings to a pixel whose middle is `u` to its right (`EDGE-1`).
 ///
 /// `u` and the ink, 0 to 1, in 2^-16. The error is that of two of [`Blur::boundary`]'s, less than 1.4e-4.
+//= reference/SPEC.md#edge
+//# - **EDGE-1** The ink that an edge from white at its left to black at its right brings to a pixel whose middle is `u`
+//# px to the right of it MUST be `c(u) = ρ(u + 1/2) - ρ(u - 1/2)` with `ρ(t) = t Φ(t/σ) + σ φ(t/σ)`, σ the blur, Φ the
+//# normal distribution and φ its density (RENDER-1, RENDER-2).
 #[must_use]
 pub fn ink(u: i32, blur: &Blur) -> i32 {
     blur.boundary(u.saturating_add(1 << 15)).ink - blur.boundary(u.saturating_sub(1 << 15)).ink

@@ -62,7 +62,8 @@ impl<const N: usize> Equations<N> {
 
     /// Eliminates the pivot `o`, those before it having been eliminated; `None` if it is not positive.
     ///
-    /// Relative error of the factors 2^-28 and 2^-27; of an entry, 1 and 2^-27 of what is subtracted.
+    /// Errors: of a factor half its unit, `2^-shift`, and 2^-27 of it; of an entry half a unit, 2^-27 of what is subtracted, and
+    /// the factor's half unit times `m_oj`: at most `sqrt(m_jj/m_oo)`, by the inequality of Cauchy and Schwarz.
     #[must_use]
     #[inline(never)] // two copies of a row, not for each of the callers
     pub fn eliminate(&mut self, o: usize) -> Option<()> {

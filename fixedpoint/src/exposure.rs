@@ -54,6 +54,9 @@ impl Capture {
     ///
     /// # Errors
     /// `Capture` unless `start < end <= processed` and `end - start` is at most 1 s.
+    //= reference/SPEC.md#expose
+    //# - **EXPOSE-2** An image MUST be refused (`Capture`) unless `t_0 < t_1 <= t_p`, `t_p` the end of its processing,
+    //# and `t_1 - t_0` is at most 1 s.
     pub fn new(start: Time, end: Time, processed: Time) -> Result<Self, ImageRefusal> {
         if start < end && end <= processed && end.since(start) <= LONGEST_CAPTURE {
             Ok(Self { start, end, processed })
@@ -83,6 +86,9 @@ impl Capture {
     /// When a row was exposed, of an image of so many (`EXPOSE-1`): `t_0 + floor((2 r + 1)(t_1 - t_0)/(2 Q_y))`, exactly.
     ///
     /// The row is below `rows`; the product is below 2^37.
+    //= reference/SPEC.md#expose
+    //# - **EXPOSE-1** A row `r` of an image that was captured from `t_0` to `t_1` MUST count as exposed at `t_0 +
+    //# floor((2 r + 1)(t_1 - t_0)/(2 Q_y))`, the middle of its share of the capture.
     #[must_use]
     pub fn row_time(&self, row: u16, rows: u16) -> Time {
         let halves = 2 * u64::from(row) + 1;
@@ -91,6 +97,9 @@ impl Capture {
     }
 
     /// When a row counts as seen by a stamp (`EXPOSE-1`, `EXPOSE-3`).
+    //= reference/SPEC.md#expose
+    //# - **EXPOSE-3** By the paper's stamp all of an image MUST count as seen at `floor((t_1 + t_p)/2)`, the middle of
+    //# its processing (ERRATA-11); where the rows lie to each other (SKEW) stays as it is.
     #[must_use]
     pub fn seen(&self, stamp: Stamp, row: u16, rows: u16) -> Time {
         match stamp {
@@ -120,12 +129,23 @@ mod tests {
         Capture::new(start, end, processed)
     }
 
+    //= reference/SPEC.md#expose
+    //= type=test
+    //# - **EXPOSE-2** An image MUST be refused (`Capture`) unless `t_0 < t_1 <= t_p`, `t_p` the end of its processing,
+    //# and `t_1 - t_0` is at most 1 s.
     #[test]
     fn captures_have_a_domain() {
         assert!(capture(5, 6, 6).is_ok() && capture(5, 1_000_005, 2_000_000).is_ok());
         for (start, end, processed) in [(5, 5, 6), (6, 5, 7), (5, 7, 6), (5, 1_000_006, 2_000_000)] {
             assert_eq!(capture(start, end, processed), Err(ImageRefusal::Capture), "{start} {end} {processed}");
         }
+    }
+
+    /// `EXPOSE-2`: `t_0`, `t_1` and `t_p`.
+    #[test]
+    fn a_capture_keeps_its_times() {
+        let capture = capture(5, 7, 11).unwrap();
+        assert_eq!([capture.start(), capture.end(), capture.processed()], [5, 7, 11].map(Time::from_micros));
     }
 
     /// 300 ms for 8 rows are 37.5 ms a row: the first one's middle is at 18.75 ms, the last one's at 281.25 ms.
@@ -137,6 +157,10 @@ mod tests {
     }
 
     /// (1.3 s + 1.381001 s)/2, half a microsecond down.
+    //= reference/SPEC.md#expose
+    //= type=test
+    //# - **EXPOSE-3** By the paper's stamp all of an image MUST count as seen at `floor((t_1 + t_p)/2)`, the middle of
+    //# its processing (ERRATA-11); where the rows lie to each other (SKEW) stays as it is.
     #[test]
     fn the_paper_s_stamp_is_the_middle_of_processing() {
         let capture = capture(1_000_000, 1_300_000, 1_381_001).unwrap();
@@ -155,6 +179,10 @@ mod tests {
 
     proptest! {
         /// A row's time is in its share of the capture, and the shares are equal: `EXPOSE-1` in rational numbers.
+        //= reference/SPEC.md#expose
+        //= type=test
+        //# - **EXPOSE-1** A row `r` of an image that was captured from `t_0` to `t_1` MUST count as exposed at `t_0 +
+        //# floor((2 r + 1)(t_1 - t_0)/(2 Q_y))`, the middle of its share of the capture.
         #[test]
         fn a_row_s_time_is_the_middle_of_its_share(
             start in 0..u64::MAX / 2,

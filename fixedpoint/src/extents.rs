@@ -16,6 +16,8 @@ pub struct Shade<'a> {
 
 impl<'a> Shade<'a> {
     /// A line, with its global threshold.
+    //= reference/SPEC.md#extent
+    //# - **EXTENT-1** A pixel MUST be dark where `4 I < 3 brightest + darkest`, with the line's extreme values.
     #[must_use]
     pub fn new(line: &'a [u8], threshold: &Threshold) -> Self {
         Self { line, limit: 3 * u16::from(threshold.brightest) + u16::from(threshold.darkest) }
@@ -32,6 +34,12 @@ impl<'a> Shade<'a> {
     }
 
     /// Whether these pixels are an extent of the format (`EXTENT-2`, `EXTENT-3`).
+    //= reference/SPEC.md#extent
+    //# - **EXTENT-2** An extent MUST reach from the first pixel of a maximal run of dark pixels to the last pixel of
+    //# the same or a later one, with `e >= N` and `4 e <= 9 N`.
+    //= reference/SPEC.md#extent
+    //# - **EXTENT-3** On either side of an extent there MUST be `q` pixels of the line that are not dark with `N (q +
+    //# 1) >= 2 e`.
     #[must_use]
     pub fn is_extent(&self, format: Format, extent: Extent) -> bool {
         let (first, last) = extent;
@@ -71,6 +79,12 @@ const fn lengths(format: Format) -> (u16, u16) {
 }
 
 /// The pairs of extents of both lines, upper and lower (`EXTENT-4`), in the order of `EXTENT-6`.
+//= reference/SPEC.md#extent
+//# - **EXTENT-4** An upper and a lower extent MUST be paired where their first pixels differ by at most 2 px and their
+//# last pixels by at most 2 px.
+//= reference/SPEC.md#extent
+//# - **EXTENT-6** Pairs MUST be tried in the order of the upper extent's first pixel, its last pixel, the lower
+//# extent's first pixel and its last pixel.
 pub fn extents<'a>(
     upper: Shade<'a>,
     lower: Shade<'a>,
@@ -108,6 +122,9 @@ mod tests {
         shade(&runs(widths)).extents(format).collect()
     }
 
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-1** A pixel MUST be dark where `4 I < 3 brightest + darkest`, with the line's extreme values.
     #[test]
     fn a_quarter_of_the_range_below_the_brightest_is_dark() {
         // 3 * 201 + 101 = 704 = 4 * 176
@@ -118,11 +135,17 @@ mod tests {
     }
 
     /// `N` to `9 N/4` pixels: 20 to 45 and 24 to 54.
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-2** An extent MUST reach from the first pixel of a maximal run of dark pixels to the last pixel of
+    //# the same or a later one, with `e >= N` and `4 e <= 9 N`.
     #[test]
     fn extents_have_one_to_two_and_a_quarter_pixels_per_stripe() {
         for (format, shortest, longest) in [(Format::Paper, 20, 45), (Format::Wide, 24, 54)] {
             let lengths: Vec<usize> = (1..70).filter(|&length| of(&[10, length, 10], format).len() == 1).collect();
             assert_eq!(lengths, (shortest..=longest).collect::<Vec<_>>());
+            // Longer ones would be tried in vain.
+            assert_eq!(super::lengths(format), (shortest as u16, longest as u16));
         }
     }
 
@@ -134,6 +157,10 @@ mod tests {
     }
 
     /// Of `paper`, 20 px ask for 1 px beside them, 21 px for 2 px, 30 px for 2 px, 31 px for 3 px, 45 px for 4 px.
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-3** On either side of an extent there MUST be `q` pixels of the line that are not dark with `N (q +
+    //# 1) >= 2 e`.
     #[test]
     fn the_quiet_zone_is_white_and_in_the_line() {
         for (length, quiet) in [(20, 1), (21, 2), (30, 2), (31, 3), (40, 3), (41, 4), (45, 4)] {
@@ -151,6 +178,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-4** An upper and a lower extent MUST be paired where their first pixels differ by at most 2 px and
+    //# their last pixels by at most 2 px.
     #[test]
     fn ends_may_differ_by_two_pixels() {
         let paired = |first: usize, length: usize| {
@@ -168,6 +199,10 @@ mod tests {
 
     proptest! {
         /// Against EXTENT-2 to EXTENT-6 as they stand, tried on all pairs of pixels.
+        //= reference/SPEC.md#extent
+        //= type=test
+        //# - **EXTENT-6** Pairs MUST be tried in the order of the upper extent's first pixel, its last pixel, the lower
+        //# extent's first pixel and its last pixel.
         #[test]
         fn pairs_are_complete_and_in_order(upper in line(), lower in line(), wide in any::<bool>()) {
             let format = if wide { Format::Wide } else { Format::Paper };

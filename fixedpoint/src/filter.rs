@@ -6,7 +6,7 @@
 //! there, what comes out is a square, `L Lᵀ`. A standard deviation of 2 m that an observation reduces to 10 µm is thirty-five
 //! binary digits of variance, but eighteen of `L`, which 32-bit factors carry.
 
-mod root;
+pub mod root;
 mod update;
 
 use crate::camera::Camera;
@@ -92,6 +92,8 @@ impl Filter {
     }
 
     /// Moves the estimate, and the candidate if there is one, by the ways of the wheels (`FILTER-1`).
+    //= reference/SPEC.md#filter
+    //# - **FILTER-1** The wheels' ways MUST move the state, and the candidate of FILTER-6 if there is one, by MOTION.
     pub fn predict(&mut self, ways: &Ways) {
         let Build { drive, model, slip, .. } = &self.build;
         motion::predict(&mut self.state, ways, drive, *model, *slip);
@@ -101,6 +103,15 @@ impl Filter {
     }
 
     /// Uses a sighting, of the image with the number `image`, for the estimate or for the candidate (`FILTER-2` to `FILTER-8`).
+    //= reference/SPEC.md#filter
+    //# - **FILTER-6** An observation that is not used MUST become the candidate, its pose and covariance by OBSERVE-2
+    //# and of `e` and `g` what the filter knows, unless it agrees with the candidate there is by FILTER-4 and is used
+    //# for that.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-7** A candidate on which observations of two images agree MUST replace the estimate *(choice: both
+    //# layers of an image share a check byte)*.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-8** An observation that is used MUST end the candidate.
     pub fn observe(&mut self, sighting: &Sighting, image: u32) -> Outcome {
         let outcome = self.place(sighting, image);
         let count = match outcome {

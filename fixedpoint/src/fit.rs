@@ -124,6 +124,13 @@ enum Plan {
 /// # Errors
 /// `TooFewPixels` by `FIT-12`, and without a layer; `NotConverged` by `FIT-13`, and where edges do not lie from left to right
 /// within ±2048 px.
+//= reference/SPEC.md#fit
+//# - **FIT-6** The estimate MUST be the minimum of the sum of the squared differences between the pixels of all layers
+//# and their model, over all parameters, that Gauss-Newton steps lead to.
+//= reference/SPEC.md#fit
+//# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations are
+//# not positive definite, or if a step leads to `|k| > 3/4`, to `s < N/4`, to columns that do not grow, `s <= a k`, or
+//# to a light of `|o| + |o'|` or `|g| + |g'|` above 511 grey levels.
 pub fn fit(
     layers: &[FitLayer<'_>],
     start: &Start,
@@ -138,6 +145,9 @@ pub fn fit(
 ///
 /// # Errors
 /// As [`fit`], except that it need not converge; `NotConverged` also where it is given up early.
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, and be refused as FIT-12 and
+//# FIT-13 otherwise say.
 pub fn fit_guards(
     layers: &[FitLayer<'_>],
     start: &Start,
@@ -148,6 +158,9 @@ pub fn fit_guards(
 }
 
 /// The stripes of a layer: its guards and a half word, for [`FitLayer::stripes`] (`LAND-3`, `DECODE-1`).
+//= reference/SPEC.md#land
+//# - **LAND-3** The left guard MUST be the stripes bar, space repeated `N_guard` times, and the right guard its mirror
+//# image.
 #[must_use]
 pub fn stripes(format: Format, half_word: u16) -> u32 {
     0b1010 << (format.code_stripes() + 4) | u32::from(half_word) << 4 | 0b0101
@@ -194,6 +207,10 @@ fn run(
 /// Whether what is left in the equations of a guard fit's step says that there are no guards (`TRELLIS-10`), exactly.
 ///
 /// `squares` has 16 fraction bits, and the sum of both gains, `2 ḡ`, 8.
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-10** The guard fit MUST be refused if in the equations of its second, third or fifth step `s²` is more
+//# than `9 + ḡ²/9`, `9 + ḡ²/16` or `9 + ḡ²/64`, `ḡ` being the mean of the gains that these equations start from, or if
+//# in one of its steps `ḡ` is above -12.
 fn no_guards(step: u8, squares: i64, degrees_of_freedom: u16, gains: i64) -> bool {
     let share = match step {
         2 => Some(9),
@@ -207,6 +224,13 @@ fn no_guards(step: u8, squares: i64, degrees_of_freedom: u16, gains: i64) -> boo
         squares.saturating_mul(4 * share) > limit
     });
     gains > -24 << 8 || too_noisy
+}
+
+/// `FIT-13`, exactly: `|k| <= 3/4`, `s >= N/4` and `s > a k`.
+fn is_possible(homography: &Homography, format: Format) -> bool {
+    let Homography { a, s, k } = *homography;
+    let grows = i64::from(s.to_bits()) << 30 > i64::from(a.to_bits()) * i64::from(k.to_bits());
+    k.to_bits().unsigned_abs() <= 3 << 28 && s >= Column::from_num(format.stripes()) / 4 && grows
 }
 
 /// A fit under way.
@@ -223,6 +247,9 @@ struct State<'a> {
 
 impl<'a> State<'a> {
     /// `FIT-1`, `FIT-5`, `FIT-7` and `FIT-12`.
+    //= reference/SPEC.md#fit
+    //# - **FIT-7** The start MUST be the given `(a, s, k)`, σ = 1/2, and for each layer the largest value of its window
+    //# as `o`, the smallest less the largest as `g`, and 0 as `o'` and `g'`.
     #[inline(never)] // its stack is not the others'
     fn start(
         layers: &[FitLayer<'a>],
@@ -278,10 +305,7 @@ impl<'a> State<'a> {
         for (layer, equations) in self.layers.iter_mut().zip(equations) {
             layer.follow(equations, &shortened)?;
         }
-        let reported = self.reported()?;
-        let quarter = Column::from_num(self.format.stripes()) / 4;
-        let too_oblique = self.homography.k.to_bits().unsigned_abs() > 3 << 28;
-        (!too_oblique && reported.s >= quarter).then_some(())
+        is_possible(&self.reported()?, self.format).then_some(())
     }
 
     /// Whether a guard fit is given up in the equations of this step (`TRELLIS-10`); `squares` has 16 fraction bits.
@@ -296,6 +320,9 @@ impl<'a> State<'a> {
     }
 
     /// The result (`FIT-14`), `squares` being those before the last step, with 16 fraction bits.
+    //= reference/SPEC.md#fit
+    //# - **FIT-14** The covariance of `(a, s, k)` MUST be `s²` times that block of the inverse of the reduced normal
+    //# equations' matrix, at the last step.
     #[inline(never)] // its stack is not the others'
     fn fitted(&self, step: &Step, squares: i64, steps: u8) -> Option<Fitted> {
         let degrees_of_freedom = i64::from(self.degrees_of_freedom);

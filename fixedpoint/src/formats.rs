@@ -41,6 +41,8 @@ pub type Displacement = I24F40;
 /// An angle in units of π/2^31, from -π inclusive to π exclusive, where the smallest value stands for π (`FRAME-5`).
 ///
 /// Angles wrap, as the integers do.
+//= reference/SPEC.md#frame
+//# - **FRAME-5** An angle that a pose reports MUST lie in (-π, π].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Angle(i32);
 
@@ -259,6 +261,9 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#frame
+    //= type=test
+    //# - **FRAME-5** An angle that a pose reports MUST lie in (-π, π].
     #[test]
     fn angles_wrap() {
         let quarter = Angle::from_bits(1 << 30);

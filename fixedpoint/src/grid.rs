@@ -21,6 +21,8 @@ pub struct Grid {
 }
 
 /// `GRID-2` and `GRID-3`: 50 mm, rounded to 2^-30 m, from 0, and 16 headings.
+//= reference/SPEC.md#grid
+//# - **GRID-2** The code `c` of a coordinate MUST stand for the origin plus `c` steps, by default 50 mm from 0.
 impl Default for Grid {
     fn default() -> Self {
         Self { origin: [Length::ZERO; 2], step: [GridStep::from_bits(53_687_091); 2], headings: MAX_HEADINGS }
@@ -32,6 +34,9 @@ impl Grid {
     ///
     /// # Errors
     /// `Step` for a step of 0, `Headings` unless there are 1 to 16 of them (`GRID-3`).
+    //= reference/SPEC.md#grid
+    //# - **GRID-3** The code `c` of the heading MUST stand for `c` equal parts of a turn, of which the grid has at most
+    //# and by default `2^bits`.
     pub fn new(origin: [Length; 2], step: [GridStep; 2], headings: u8) -> Result<Self, SpacingRefusal> {
         if step.contains(&GridStep::ZERO) {
             return Err(SpacingRefusal::Step);
@@ -50,6 +55,9 @@ impl Grid {
     /// # Errors
     /// `TooLarge` if the payload has more bits than the format, `Heading` if the code of the heading is not below the number
     /// of headings (`GRID-6`), `Beyond` if the place is outside the ±128 m of [`Length`].
+    //= reference/SPEC.md#grid
+    //# - **GRID-6** A payload whose code of the heading is not below the number of headings MUST be refused
+    //# (`Heading`).
     pub fn landmark_in_world(&self, format: Format, payload: u32) -> Result<Pose<World, frame::Landmark>, GridRefusal> {
         let [x, y, heading] = codes(format, payload).ok_or(GridRefusal::TooLarge)?;
         if heading >= u32::from(self.headings) {
@@ -67,6 +75,9 @@ impl Grid {
 }
 
 /// The codes of x, y and heading (`GRID-1`); `None` if the payload has more bits than they.
+//= reference/SPEC.md#grid
+//# - **GRID-1** A pose's payload MUST be the codes of x, y and heading, in this order, most significant first, of 6, 6
+//# and 4 bits in `paper` and 10, 10 and 4 bits in `wide`.
 fn codes(format: Format, payload: u32) -> Option<[u32; 3]> {
     let bits = match format {
         Format::Paper => 6,

@@ -78,6 +78,8 @@ impl Normal {
     ///
     /// By the adjugate of the symmetric matrix, whose entries `c_ij` are below 2^42.7, 2^40.2, 2^29.6 (first row),
     /// 2^37, 2^26.5 (second) and 2^15.
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-1** The homography MUST be the one that minimises `Σ (a + s t - k t z - z)²` over its transitions.
     #[must_use]
     pub fn solve(&self) -> Solution {
         let Self { count: n, v, vv, z, vz, vvz, vzz, vvzz, .. } = *self;
@@ -114,6 +116,11 @@ impl Solution {
     /// `D` is positive once the guards' transitions are in. Otherwise all of them would fulfil one equation
     /// `c0 + c1 v + c2 v z = 0`: constant columns, or a hyperbola with its pole at `v = 0`, which falls on both sides or
     /// rises on both and is higher on the left. Columns from left to right do not fall, and are not all equal.
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-3** A homography MUST be refused (`Implausible`) unless `s > 0` and `|k| <= 1/2`.
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-5** A pipeline whose arithmetic is not exact MUST treat a `|k|` within its declared error of 1/2 as on
+    //# it.
     #[must_use]
     pub fn is_plausible(&self, format: Format) -> bool {
         let obliquity = self.k.unsigned_abs() * u64::from(format.stripes()); // below 2^50
@@ -151,6 +158,9 @@ impl Solution {
     /// shift, `|a'|` and `|s'|` to 1800 px.
     ///
     /// Rounding errors: `a` 2^-21 px, `k` 2^-31, `s` 2^-21 px + 2^-31 px + `|δ|` times the error of `k`.
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-4** The homography that a layer reports MUST be relative to the principal column, `a' = a + δ`, `s' =
+    //# s + δ k` with `δ` the ROI's middle minus `o_x`.
     #[must_use]
     pub fn reported(&self, format: Format, grid: &Grid, camera: &Camera) -> Option<Homography> {
         let half = i64::from(format.stripes() / 2);

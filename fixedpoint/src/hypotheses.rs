@@ -66,6 +66,8 @@ impl Default for Taken {
 }
 
 /// The ROIs of a line, seed after seed (`HYPO-1` to `HYPO-5`); [`check`] says which may be decoded.
+//= reference/SPEC.md#hypo
+//# - **HYPO-5** ROIs MUST be formed, seed after seed, until every black region is taken.
 #[derive(Debug)]
 pub struct Hypotheses<'a> {
     regions: &'a Regions,
@@ -83,6 +85,8 @@ impl Iterator for Hypotheses<'_> {
     type Item = Hypothesis;
 
     /// The next ROI; it takes all of its black regions (`HYPO-4`).
+    //= reference/SPEC.md#hypo
+    //# - **HYPO-4** An ROI MUST take all of its black regions, whether it is decoded or refused.
     fn next(&mut self) -> Option<Hypothesis> {
         let seed = self.seed()?;
         let seed_width = seed.extent();
@@ -98,6 +102,8 @@ impl Iterator for Hypotheses<'_> {
 
 impl Hypotheses<'_> {
     /// The narrowest black region that is not taken, the left-most of equals (`HYPO-1`).
+    //= reference/SPEC.md#hypo
+    //# - **HYPO-1** The seed MUST be the narrowest black region that no ROI has taken yet, the left-most of equals.
     fn seed(&self) -> Option<Hypothesis> {
         (0..self.regions.len())
             .filter(|&region| self.is_free(region))
@@ -119,6 +125,9 @@ impl Hypotheses<'_> {
     }
 
     /// The ROI with the neighbour across the smaller gap, the left one of equals (`HYPO-3`), and that neighbour.
+    //= reference/SPEC.md#hypo
+    //# - **HYPO-3** The ROI MUST grow, as long as it has a neighbour, by the one across the smaller white gap, the left
+    //# one of equals.
     fn grown(&self, roi: &Hypothesis, seed_width: u32) -> Option<(Hypothesis, u8)> {
         let left = self.with_left(roi).filter(|grown| self.keeps(grown, seed_width));
         let right = self.with_right(roi).filter(|grown| self.keeps(grown, seed_width));
@@ -149,6 +158,9 @@ impl Hypotheses<'_> {
     }
 
     /// Whether the extent keeps to 2.5 predicted widths (`HYPO-2`). Both sides are below 2^24.
+    //= reference/SPEC.md#hypo
+    //# - **HYPO-2** A neighbour of the ROI MUST be the next black region to its left or right, if no ROI has taken it
+    //# and if with it the ROI's extent `e` keeps to `2 e <= 5 N w`, with `w` the seed's width in pixels.
     fn keeps(&self, roi: &Hypothesis, seed_width: u32) -> bool {
         2 * roi.extent() <= 5 * u32::from(self.stripes) * seed_width
     }
@@ -171,6 +183,14 @@ fn pixels(regions: &Regions, region: u8) -> u16 {
 ///
 /// # Errors
 /// The first of `TooFewBars`, `TooManyBars`, `CutOff`, `QuietZone` and `TooNarrow` that holds.
+//= reference/SPEC.md#hypo
+//# - **HYPO-6** An ROI of fewer than `2 N_guard` black regions MUST be refused (`TooFewBars`).
+//= reference/SPEC.md#hypo
+//# - **HYPO-7** An ROI of more than `N/2` black regions MUST be refused (`TooManyBars`).
+//= reference/SPEC.md#hypo
+//# - **HYPO-8** An ROI that begins with the first pixel of the line or ends with the last MUST be refused (`CutOff`).
+//= reference/SPEC.md#hypo
+//# - **HYPO-11** An ROI whose extent is below 5/4 of a pixel per stripe, `4 e < 5 N`, MUST be refused (`TooNarrow`).
 pub fn check(hypothesis: &Hypothesis, regions: &Regions, format: Format) -> Result<(), HypothesisRefusal> {
     if hypothesis.bars() < 2 * GUARD_PAIRS {
         return Err(HypothesisRefusal::TooFewBars);
@@ -186,6 +206,9 @@ pub fn check(hypothesis: &Hypothesis, regions: &Regions, format: Format) -> Resu
     let right = hypothesis.last_region.checked_add(1);
     for region in [left, right].into_iter().flatten() {
         let reaches_an_end = regions.first(region) == Some(0) || regions.last(region) == Some(end);
+        //= reference/SPEC.md#hypo
+        //# - **HYPO-9** An ROI beside which a white region of `q` pixels that does not reach an end of the line has `N
+        //# (q + 1) < 2 e` MUST be refused (`QuietZone`), since LAND-5 asks for 2.5 stripes.
         // HYPO-9
         let stripes_wide = u32::from(format.stripes()) * (u32::from(pixels(regions, region)) + 1);
         if !reaches_an_end && stripes_wide < 2 * hypothesis.extent() {
@@ -225,12 +248,22 @@ mod tests {
         hypotheses(&found, Format::Paper, &mut taken).map(|roi| check(&roi, &found, Format::Paper)).collect()
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-1** The seed MUST be the narrowest black region that no ROI has taken yet, the left-most of equals.
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-5** ROIs MUST be formed, seed after seed, until every black region is taken.
     #[test]
     fn the_seed_is_the_narrowest_the_left_most_of_equals() {
         // Too far apart to grow: ROIs come in the order of their seeds.
         assert_eq!(rois(&[10, 3, 200, 2, 150, 2, 10]), [(213, 214), (365, 366), (10, 12)]);
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-2** A neighbour of the ROI MUST be the next black region to its left or right, if no ROI has taken it
+    //# and if with it the ROI's extent `e` keeps to `2 e <= 5 N w`, with `w` the seed's width in pixels.
     #[test]
     fn an_extent_of_two_and_a_half_barcodes_is_kept() {
         // The seed is 1 px: the extent may be 50 px and not 51.
@@ -238,6 +271,10 @@ mod tests {
         assert_eq!(rois(&[10, 1, 49, 1, 10]), [(10, 10), (60, 60)]);
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-3** The ROI MUST grow, as long as it has a neighbour, by the one across the smaller white gap, the left
+    //# one of equals.
     #[test]
     fn the_roi_grows_across_the_smaller_gap() {
         // Seed in the middle, extent up to 50: only one of both neighbours fits after the other.
@@ -254,12 +291,21 @@ mod tests {
         assert_eq!(rois(&[60, 39, 10, 1, 20, 2, 60])[0], (60, 109));
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-4** An ROI MUST take all of its black regions, whether it is decoded or refused.
     #[test]
     fn a_refused_roi_keeps_its_regions() {
         // Both bars belong to one ROI of too few bars; no other ROI follows.
         assert_eq!(checked(&[10, 1, 1, 1, 10]), [Err(HypothesisRefusal::TooFewBars)]);
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-6** An ROI of fewer than `2 N_guard` black regions MUST be refused (`TooFewBars`).
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-7** An ROI of more than `N/2` black regions MUST be refused (`TooManyBars`).
     #[test]
     fn the_number_of_bars_is_checked() {
         let bars = |count: usize| {
@@ -273,6 +319,10 @@ mod tests {
         assert_eq!(bars(11), [Err(HypothesisRefusal::TooManyBars)]);
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-8** An ROI that begins with the first pixel of the line or ends with the last MUST be refused
+    //# (`CutOff`).
     #[test]
     fn a_roi_at_an_end_of_the_line_is_cut_off() {
         assert_eq!(checked(&[0, 1, 1, 1, 1, 1, 1, 1, 20]), [Err(HypothesisRefusal::CutOff)]);
@@ -281,12 +331,20 @@ mod tests {
     }
 
     /// 20 stripes ask for 25 px.
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-11** An ROI whose extent is below 5/4 of a pixel per stripe, `4 e < 5 N`, MUST be refused
+    //# (`TooNarrow`).
     #[test]
     fn a_roi_below_five_quarters_of_a_pixel_per_stripe_is_too_narrow() {
         assert_eq!(checked(&[20, 4, 4, 4, 4, 4, 2, 3, 20]), [Ok(())]);
         assert_eq!(checked(&[20, 4, 4, 4, 4, 4, 2, 2, 20]), [Err(HypothesisRefusal::TooNarrow)]);
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-9** An ROI beside which a white region of `q` pixels that does not reach an end of the line has `N (q +
+    //# 1) < 2 e` MUST be refused (`QuietZone`), since LAND-5 asks for 2.5 stripes.
     #[test]
     fn the_quiet_zone_is_a_tenth_of_the_extent_less_a_pixel() {
         // Extent 40 px asks for 3 px of white before the wide bar, which is too wide to be a neighbour.
@@ -298,6 +356,10 @@ mod tests {
         assert_eq!(checked(&[1, 4, 4, 4, 4, 4, 4, 16, 30])[0], Ok(()));
     }
 
+    //= reference/SPEC.md#hypo
+    //= type=test
+    //# - **HYPO-10** HYPO-12, HYPO-6 to HYPO-9 and then HYPO-11 MUST be applied in this order and the first that holds
+    //# be reported.
     #[test]
     fn the_first_reason_is_reported() {
         // Too few bars, cut off and without a quiet zone.

@@ -65,6 +65,9 @@ impl Edges {
     /// `j` is a bar.
     ///
     /// The error is that of [`Self::ink`] for each edge within reach.
+    //= reference/SPEC.md#edge
+    //# - **EDGE-2** The ink of a pixel MUST be the sum of `c` over all edges of a layer from white to black less that
+    //# over all edges from black to white.
     #[must_use]
     pub fn layer(&self, format: Format, stripes: u32, pixel: u16) -> i32 {
         let is_bar = |place: u8| stripes.checked_shr(u32::from(place)).unwrap_or(0) & 1 == 1;
@@ -73,6 +76,8 @@ impl Edges {
     }
 
     /// The ink of a stripe in a pixel, if it is a bar (`TRELLIS-4`), 0 to 2^16 in units of 2^-16.
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-4** The ink of stripe j in pixel i MUST be `w_ij = c(u_left) - c(u_right)`, of its two edges.
     #[must_use]
     pub fn stripe(&self, stripe: u8, pixel: u16) -> i32 {
         self.ink(stripe, pixel) - self.ink(stripe.saturating_add(1), pixel)
@@ -93,6 +98,9 @@ mod tests {
 
     /// Blurs as the format has them, so that what is compared is the arithmetic: an ink of 7e-5 on either side, and a
     /// column of 2^-17/3 + 2^-16 + 2^-17 + 2^-19 px with the steepest slope of an edge, 1.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-4** The ink of stripe j in pixel i MUST be `w_ij = c(u_left) - c(u_right)`, of its two edges.
     #[test]
     fn inks_are_those_of_the_equations() {
         let bound = 1.4e-4 + 2_f64.powi(-17) / 3.0 + 2_f64.powi(-16) + 2_f64.powi(-17) + 2_f64.powi(-19);

@@ -26,6 +26,8 @@ impl Format {
     }
 
     /// Stripes of one layer, `N`: 20 or 24, always even.
+    //= reference/SPEC.md#land
+    //# - **LAND-1** A layer MUST have `N = N_code + 4 N_guard` stripes of equal width `X_dim`.
     #[must_use]
     pub const fn stripes(self) -> u8 {
         self.code_stripes() + 4 * GUARD_PAIRS
@@ -48,6 +50,8 @@ pub struct Landmark {
 
 impl Landmark {
     /// `LAND-6`: 1.5 mm, rounded to 2^-32 m.
+    //= reference/SPEC.md#land
+    //# - **LAND-6** Default dimensions MUST be `X_dim` = 1.5 mm and a stripe height of 25 mm (ERRATA-3).
     const DEFAULT_WIDTH: StripeWidth = StripeWidth::from_bits(6_442_451);
     /// 0.5 mm, rounded up.
     const SMALLEST_WIDTH: StripeWidth = StripeWidth::from_bits(2_147_484);
@@ -58,6 +62,8 @@ impl Landmark {
     ///
     /// # Errors
     /// Unless the width is in 0.5 to 20 mm.
+    //= reference/SPEC.md#land
+    //# - **LAND-7** A landmark whose `X_dim` is outside 0.5 to 20 mm MUST be refused.
     pub fn new(format: Format, stripe_width: StripeWidth) -> Result<Self, LandmarkRefusal> {
         if (Self::SMALLEST_WIDTH..=Self::LARGEST_WIDTH).contains(&stripe_width) {
             Ok(Self { format, stripe_width })
@@ -89,6 +95,9 @@ impl Landmark {
 mod tests {
     use super::*;
 
+    //= reference/SPEC.md#land
+    //= type=test
+    //# - **LAND-1** A layer MUST have `N = N_code + 4 N_guard` stripes of equal width `X_dim`.
     #[test]
     fn formats_have_the_numbers_of_the_specification() {
         let numbers = |format: Format| (format.code_stripes(), format.stripes(), format.payload_bits());
@@ -96,6 +105,12 @@ mod tests {
         assert_eq!(numbers(Format::Wide), (16, 24, 24));
     }
 
+    //= reference/SPEC.md#land
+    //= type=test
+    //# - **LAND-6** Default dimensions MUST be `X_dim` = 1.5 mm and a stripe height of 25 mm (ERRATA-3).
+    //= reference/SPEC.md#land
+    //= type=test
+    //# - **LAND-7** A landmark whose `X_dim` is outside 0.5 to 20 mm MUST be refused.
     #[test]
     fn stripe_widths_have_a_domain() {
         let landmark = |width: f64| Landmark::new(Format::Paper, StripeWidth::from_num(width));

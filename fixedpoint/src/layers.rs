@@ -41,6 +41,9 @@ pub struct Measurement {
 
 impl Measurement {
     /// When the camera was there, both rows' times being given, the upper one's first (`LAYER-3`, `LAYER-4`).
+    //= reference/SPEC.md#layer
+    //# - **LAYER-3** A layer's measurement MUST be its `(a, s, k)` with the covariance of its own fit, at its row's
+    //# time (EXPOSE-1).
     #[must_use]
     pub fn time(&self, [upper, lower]: [Time; 2]) -> Time {
         match self.layer {
@@ -50,6 +53,9 @@ impl Measurement {
     }
 
     /// The detection's own (`LAYER-4`).
+    //= reference/SPEC.md#layer
+    //# - **LAYER-4** A detection with a fit of which no layer gives a measurement MUST give one, the detection's own,
+    //# and a detection without a fit its pose with COV-5's covariance, both at the upper row's time (SKEW-8).
     fn own(detection: &Detection) -> Self {
         Self {
             layer: MeasuredLayer::Both,
@@ -126,6 +132,13 @@ impl Source<'_> {
 
     /// At rest: a layer is fitted alone from the fit of both (`LAYER-1`); none without that, or if its own fit is refused or leaves too
     /// much noise (`LAYER-2`).
+    //= reference/SPEC.md#layer
+    //# - **LAYER-1** Each layer of a detection with a fit MUST be fitted alone (FIT, with one layer), from that fit's
+    //# `(a, s, k, σ)` under the light, even or a step, that the fit was made under; of a moving camera these are the
+    //# fits of SKEW-7.
+    //= reference/SPEC.md#layer
+    //# - **LAYER-2** A layer whose own fit is refused, or whose `s²` is above ACCEPT-6's `v` of the detection's decoder
+    //# with its own gain, or which COV-4 calls undetermined, MUST give no measurement.
     fn alone(&self, layer: MeasuredLayer, line: &[u8], reading: &Reading) -> Option<Measurement> {
         let Self { camera, detection, .. } = *self;
         let FitSummary { blur, illumination, .. } = detection.fit?;

@@ -92,6 +92,7 @@ pub mod frame;
 pub mod grid;
 pub mod homography;
 pub mod hypotheses;
+pub mod in_order;
 pub mod ink;
 pub mod inverse;
 pub mod landmark;
@@ -118,8 +119,6 @@ pub mod threshold;
 pub mod timeline;
 pub mod trellis;
 pub mod whiteness;
-
-mod in_order;
 
 #[cfg(test)]
 mod drawing;

@@ -36,6 +36,9 @@ impl Limited {
 
     /// The least and the greatest that a pixel can be apart from a model that counts as limited like it (`TRELLIS-11`):
     /// what a value of 255 is less than its model, and a value of 0 more, counts as 0. In any unit.
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-11** In TRELLIS-5 and ACCEPT-8 the model of a pixel of the value 255 MUST count as at most 255, and
+    //# that of one of the value 0 as at least 0, since RENDER-5 limits what is brighter or darker.
     #[must_use]
     pub fn range(self) -> (i32, i32) {
         match self {
@@ -104,6 +107,8 @@ impl<'a> LitLayer<'a> {
     /// model (`FIT-4`).
     ///
     /// Rounding errors of the excess and of the gain, in grey levels: 2^-12 times the change along the window, and 2^-9.
+    //= reference/SPEC.md#fit
+    //# - **FIT-2** The model of pixel `i` MUST be `o + g c_i + λ_i (o' + g' c_i)` with its ink `c_i` (EDGE-2).
     #[must_use]
     pub fn at(&self, pixel: u16) -> Option<Seen> {
         if !(self.first_pixel..=self.last_pixel).contains(&pixel) || self.is_step(pixel) {
@@ -213,6 +218,35 @@ mod tests {
             assert!((9..31).all(|pixel| layer.is_step(pixel) || layer.anywhere(pixel) == layer.at(pixel)));
             assert_eq!((layer.anywhere(40), (0..50).find(|&pixel| layer.is_step(pixel))), (None, step));
         }
+    }
+
+    /// `FIT-3`: half a unit, and 640 times 2^-12 of one.
+    #[test]
+    fn places_along_the_window_are_rounded_to_nearest() {
+        let line = [100_u8; 40];
+        let layer = layer(&line, LayerLight::default());
+        for pixel in 8..=31_u16 {
+            let exact = (2.0 * f64::from(pixel) - 39.0) / 23.0 * 4096.0;
+            assert!((f64::from(layer.lambda(pixel)) - exact).abs() <= 0.5 + 640.0 / 4096.0, "{pixel}");
+        }
+    }
+
+    #[test]
+    fn light_is_rounded_to_nearest() {
+        let line = [100_u8; 40];
+        let seen = layer(&line, LayerLight { offset_slope: 1, ..LayerLight::default() }).at(30).unwrap();
+        assert_eq!(seen.excess, (100 << 8) - 1); // 21/23 of a unit
+        assert_eq!(Seen { gain: 2, ..seen }.change(5 << 12), 1); // five eighths
+    }
+
+    /// `FIT-3` with one of the slopes only.
+    #[test]
+    fn either_slope_is_enough() {
+        let line = [100_u8; 40];
+        let light = LayerLight { offset: 90 << 8, gain: -50 << 8, ..LayerLight::default() };
+        let end = |light| layer(&line, light).at(31).map(|seen| (seen.excess >> 8, seen.gain >> 8));
+        assert_eq!(end(LayerLight { offset_slope: 8 << 8, ..light }), Some((2, -50)));
+        assert_eq!(end(LayerLight { gain_slope: 4 << 8, ..light }), Some((10, -46)));
     }
 
     #[test]

@@ -159,6 +159,9 @@ impl<'a> Localizer<'a> {
     ///
     /// The observer hears the skew, what [`detect::detect_moving`] reports, and what becomes of each detection. Observations come
     /// to the timeline in the order of their times, of one time in the order of the detections, the upper layer first (`LOCATE-3`).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-3** The measurements of an image (LAYER) MUST be given to the timeline in the order of their times,
+    //# the image's number being that of its arrival.
     pub fn image<O: Observer>(
         &mut self,
         upper: &[u8],
@@ -200,6 +203,10 @@ impl<'a> Localizer<'a> {
     ///
     /// # Errors
     /// As [`Timeline::observe`].
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-7** An observation of the robot's pose in a landmark's frame that comes from elsewhere MUST be taken
+    //# as a pose (OBSERVE-2) of a camera in the robot's own place, of a new image if the last one that came from
+    //# elsewhere was of another time, its landmark told apart by a number that it comes with.
     pub fn observe_pose(
         &mut self,
         time: Time,
@@ -238,6 +245,9 @@ impl<'a> Localizer<'a> {
     }
 
     /// How the camera moved between both rows' times (`LOCATE-6`).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-6** The skew MUST be that of the readings the timeline holds; where they do not reach back to the
+    //# upper row's time or on to the lower row's, it counts as at rest for what is missing.
     fn skew(&self, capture: &Capture) -> Skew {
         let Config { build: Build { camera, drive, mounting, .. }, rows, .. } = &self.config;
         let [upper, lower] = rows.times(|row, height| capture.row_time(row, height));

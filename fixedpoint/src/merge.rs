@@ -159,6 +159,12 @@ impl<'a, O: Observer> Merger<'a, O> {
     }
 
     /// Pairs the layers of the format, in the order of `MERGE-6` (`MERGE-1` to `MERGE-5`), and decides the candidates.
+    //= reference/SPEC.md#merge
+    //# - **MERGE-5** Pairs MUST be formed in the order of the upper layers, and for one upper layer in the order of the
+    //# lower ones.
+    //= reference/SPEC.md#merge
+    //# - **MERGE-6** Layers MUST be ordered as their seeds were taken, those of the global threshold before those of
+    //# the local one.
     pub fn merge(&mut self, upper: &[DecodedLayer], lower: &[DecodedLayer]) {
         for upper in upper {
             let Some((shift, ends)) = self.shifts(&upper.homography) else { continue };
@@ -198,6 +204,10 @@ impl<'a, O: Observer> Merger<'a, O> {
 
     /// Tries the pairs of extents of the format (`EXTENT-4` to `EXTENT-7`, `TRELLIS`) and decides the candidates; of a moving camera
     /// there are none (`SKEW-9`).
+    //= reference/SPEC.md#extent
+    //# - **EXTENT-7** Of each format at most 4 pairs MUST be tried, those of TRELLIS-9 first.
+    //= reference/SPEC.md#skew
+    //# - **SKEW-9** Of a moving camera TRELLIS MUST NOT be asked.
     pub fn merge_extents(&mut self, upper: Shade<'_>, lower: Shade<'_>) {
         if !self.setting.skew.is_at_rest() {
             return;
@@ -215,6 +225,9 @@ impl<'a, O: Observer> Merger<'a, O> {
     }
 
     /// Whether one of the extents shares a pixel with a detection of any format (`EXTENT-5`).
+    //= reference/SPEC.md#extent
+    //# - **EXTENT-5** A pair of which an extent shares a pixel with the same line's ROI or extent of a detection of any
+    //# format MUST be left out.
     fn is_found(&self, upper: Extent, lower: Extent) -> bool {
         self.detections.iter().any(|found| {
             found.upper.shares_a_pixel_with(upper.0, upper.1) || found.lower.shares_a_pixel_with(lower.0, lower.1)
@@ -244,6 +257,13 @@ impl<'a, O: Observer> Merger<'a, O> {
     }
 
     /// The candidate of two readings, if they have a payload (`MERGE-2`, `MERGE-3`, `TRELLIS-8`).
+    //= reference/SPEC.md#merge
+    //# - **MERGE-2** A pair MUST give the code word of CODE-4.
+    //= reference/SPEC.md#merge
+    //# - **MERGE-3** A pair MUST be refused by CODE-7 before CODE-8 is asked.
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-8** The half words MUST be checked as those of two decoded layers (MERGE-2, MERGE-3) when they have
+    //# settled.
     fn candidate(&mut self, decoder: Decoder, readings: [Reading; 2]) -> Result<Candidate, PairRefusal> {
         let format = self.setting.landmark.format;
         let [upper, lower] = &readings;
@@ -253,6 +273,12 @@ impl<'a, O: Observer> Merger<'a, O> {
     }
 
     /// Makes a candidate a detection, or reports why not (`MERGE-9`, `MERGE-10`).
+    //= reference/SPEC.md#merge
+    //# - **MERGE-9** A candidate MUST become a detection if ACCEPT accepts it, and otherwise be refused by the first of
+    //# ACCEPT's reasons.
+    //= reference/SPEC.md#merge
+    //# - **MERGE-10** A line pair MUST give at most 8 detections before MERGE-7, and what comes after them be refused
+    //# (`TooMany`).
     fn decide(&mut self, candidate: &Candidate, evidence: Evidence<'_>) {
         let decoder = evidence.decoder();
         let decided = accept(candidate, evidence, &self.setting, self.observer);
@@ -268,6 +294,13 @@ impl<'a, O: Observer> Merger<'a, O> {
 }
 
 /// Whether both ends of the ROIs differ by at most 3 px (`MERGE-1`), and a play, the upper one's being shifted (`SKEW-6`).
+//= reference/SPEC.md#merge
+//# - **MERGE-1** An upper and a lower layer MUST be paired where their ROIs' first pixels differ by at most 3 px and
+//# their last pixels by at most 3 px.
+//= reference/SPEC.md#skew
+//# - **SKEW-6** In MERGE-1 the lower layer's ends MUST be compared with the upper one's ends plus the shifts of the
+//# upper layer's homography, `T` px added to the 3 px, and in ACCEPT-2 the lower layer's `(a, s, k)` count less the
+//# shift of the upper layer's, `T` px added to the limit of `a`.
 fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer, ends: &EndShifts, play: u32) -> bool {
     let pixels = |layer: &DecodedLayer| [layer.hypothesis.first_pixel, layer.hypothesis.last_pixel].map(i32::from);
     let [upper, lower] = [upper, lower].map(pixels);
@@ -284,6 +317,8 @@ pub fn merged(upper: &Homography, lower: &Homography, skew: &Skew) -> Homography
 }
 
 /// The mean of two homographies (`MERGE-4`). Rounding errors: 2^-21 px for `a` and `s`, 2^-31 for `k`.
+//= reference/SPEC.md#merge
+//# - **MERGE-4** The merged homography MUST be the mean of the two layers' `a`, `s` and `k`.
 #[must_use]
 pub fn mean(upper: &Homography, lower: &Homography) -> Homography {
     let column = |upper: Column, lower: Column| Column::from_bits(halfway(upper.to_bits(), lower.to_bits()));
@@ -302,6 +337,12 @@ fn halfway(x: i32, y: i32) -> i32 {
 
 /// Removes the detections of different formats whose upper ROIs share a pixel, all of them, and reports what was
 /// removed and what is left (`MERGE-7`, `MERGE-8`).
+//= reference/SPEC.md#merge
+//# - **MERGE-7** Detections of different formats whose upper ROIs share a pixel MUST be refused, all of them
+//# (`Ambiguous`).
+//= reference/SPEC.md#merge
+//# - **MERGE-8** Each format MUST report its detections in the order of MERGE-5, those of TRELLIS after them, and the
+//# formats in the order in which they were asked for.
 pub fn withdraw_ambiguous<O: Observer>(detections: &mut Detections, observer: &mut O) {
     let mut ambiguous = [false; MAX_DETECTIONS];
     for (flag, detection) in ambiguous.iter_mut().zip(detections.iter()) {

@@ -6,7 +6,7 @@
 //!
 //! Between two odometry readings the ways are parts of steps, so steps have fraction bits.
 
-pub(crate) mod covariance;
+pub mod covariance;
 mod drive;
 mod state;
 mod step;
@@ -21,6 +21,9 @@ pub use state::{POSITION_BITS, State};
 use step::Step;
 
 /// The slip when `e` and `g` are estimated: 1e-6 m, rounded to 2^-32 (`MOTION-6`).
+//= reference/SPEC.md#motion
+//# - **MOTION-6** The slip MUST by default be `q = 1e-6 m` with five states, 1 mm per root metre, and `3e-6 m` with
+//# three, of which `e` and `g` are known to be 0 *(choice: what is not estimated is slip)*.
 pub const SLIP_OF_FIVE: Slip = Slip::from_bits(4_295);
 
 /// The slip when `e` and `g` are known to be 0: 3e-6 m, rounded to 2^-32 (`MOTION-6`).
@@ -69,6 +72,9 @@ pub fn predict(state: &mut State, ways: &Ways, drive: &Drive, model: MotionModel
 /// The uncertainty of a pose by steps that are not yet complete, `G diag(u²/12, u²/12) Gᵀ` at rest (`MOTION-7`).
 ///
 /// Errors: 2^-49, and 2^-22 from the derivatives.
+//= reference/SPEC.md#motion
+//# - **MOTION-7** At an observation the pose MUST count as uncertain by `G diag(u²/12, u²/12) Gᵀ` more, G at rest
+//# *(choice: a step that is not yet complete is an error of the reading that the next one does not inherit)*.
 #[must_use]
 pub fn step_noise(state: &State, drive: &Drive) -> PoseCovariance {
     let at_rest = Step::new(state, drive, MotionModel::Linear, 0, 0);

@@ -46,6 +46,8 @@ pub struct Sighting {
 pub type Mounting = Pose<Robot, frame::Camera>;
 
 /// 3 cm ahead of the axle's middle, looking ahead, rounded to 2^-24 m (`OBSERVE-1`).
+//= reference/SPEC.md#observe
+//# - **OBSERVE-1** The camera MUST by default be mounted 3 cm ahead of the axle's middle, looking ahead.
 #[must_use]
 pub const fn mounted_ahead() -> Mounting {
     Pose::new(Length::from_bits(503_316), Length::ZERO, Angle::ZERO)
@@ -71,7 +73,8 @@ pub struct Linearised {
     pub noise: StateCovariance,
 }
 
-/// A sighting linearised at a state; `None` if the landmark's centre is less than 2^-8 m in front of the camera.
+/// A sighting linearised at a state; `None` if the landmark's centre is less than 2^-8 m in front of the camera (`FILTER-4`), or
+/// where it would be seen as no camera sees it (`FILTER-10`).
 ///
 /// Errors of an image: of the prediction 2^-27 of it and 2^-29 rad times the focal length; of the derivatives 2^-27 of the
 /// largest in their row. Of a pose: 2^-25 m and 2^-32 π, and the derivatives are exact.
@@ -127,6 +130,9 @@ fn sum(one: &PoseCovariance, other: &PoseCovariance) -> PoseCovariance {
 ///
 /// Errors: 2^-25 m, and 2^-30 of the distances; of the covariance 2^-47 and 2^-29 of its largest entry. A position outside
 /// ±128 m saturates.
+//= reference/SPEC.md#observe
+//# - **OBSERVE-2** As a pose, a sighting MUST be (10), the camera's pose in the landmark's frame taken to the robot and
+//# the world, with its covariance (COV-4, COV-5) carried through the derivatives.
 #[must_use]
 pub fn robot_in_world(sighting: &Sighting, mounting: &Mounting) -> (Pose<World, Robot>, PoseCovariance) {
     let Sighting { place, pose, .. } = sighting;

@@ -26,6 +26,9 @@ pub enum Places<'a> {
 
 impl Places<'_> {
     /// Where the landmark with a format and a payload stands; `None` if the site knows no such landmark (`LOCATE-2`).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-1** A landmark's pose in the world MUST be that of its payload on the site's grid (GRID-6), or that
+    //# of the table which lists format and payload, whichever the site has.
     #[must_use]
     pub fn landmark_in_world(&self, format: Format, payload: u32) -> Option<Pose<World, frame::Landmark>> {
         match self {
@@ -47,6 +50,10 @@ mod tests {
         Pose::new(Length::from_num(x), Length::ZERO, Angle::PI)
     }
 
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-1** A landmark's pose in the world MUST be that of its payload on the site's grid (GRID-6), or that
+    //# of the table which lists format and payload, whichever the site has.
     #[test]
     fn a_table_is_asked_for_format_and_payload() {
         let listed = |format, payload, x| Listed { format, payload, pose: pose(x) };

@@ -25,6 +25,13 @@ use crate::ratio;
 /// Rounding errors, in this order: `m = f k` and `g = s - a k` 2^-21 px each; `x/W = f g/(s² + m²)` and
 /// `y/W = -(f m + a s)/(s² + m²)` 2^-25 each; `x` and `y` 2^-25 m each; `θ` as [`atan2`], from `f k` and `s` without
 /// further rounding. `W` is exact for the landmark's [`crate::formats::StripeWidth`].
+//= reference/SPEC.md#pose
+//# - **POSE-1** With `α_0 = (f, 0)`, `α_1 = (0, -1)`, `A = [α_1 α_0]` and `H = [[s/W, a], [k/W, 1]]`, `B = [β_1 β_0]`
+//# MUST be `A H` scaled so that `β_1` is a unit vector and `β_0`'s first component is positive (ERRATA-4).
+//= reference/SPEC.md#pose
+//# - **POSE-2** The camera's heading MUST be `θ = atan2(β_1x, β_1y)` (ERRATA-5).
+//= reference/SPEC.md#pose
+//# - **POSE-3** The camera's position MUST be `-R(θ) β_0`, the rigid transform (9).
 #[must_use]
 pub fn pose(homography: &Homography, camera: &Camera, landmark: &Landmark) -> Pose<frame::Landmark, frame::Camera> {
     let a = i64::from(homography.a.to_bits()); // 20 fraction bits

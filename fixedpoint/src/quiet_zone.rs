@@ -26,6 +26,10 @@ impl Surroundings<'_> {
     /// The shade of a pixel; of no pixel where there is none to the left of the line.
     ///
     /// Four times a residual, in 2^-8 grey levels within ±1788 grey levels, is below 2^21.
+    //= reference/SPEC.md#accept
+    //# - **ACCEPT-17** A pixel beside an ROI MUST count as white if it is in the line and at most `|ḡ|/2` darker than
+    //# its model (TRELLIS-11), as dark if it is in the line and at least `|ḡ|/2` darker, and as both if it is the pixel
+    //# of a step of light, λ beyond the window being that of the window's nearest end.
     fn shade(&self, pixel: Option<u16>) -> Shade {
         let Some((pixel, seen)) = pixel.and_then(|pixel| Some((pixel, self.lit.anywhere(pixel)?))) else {
             return Shade::default();
@@ -178,6 +182,11 @@ mod tests {
     }
 
     /// `ACCEPT-17`: 200 less 80 is white and dark, a grey level more is white, one less is dark.
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-17** A pixel beside an ROI MUST count as white if it is in the line and at most `|ḡ|/2` darker than
+    //# its model (TRELLIS-11), as dark if it is in the line and at least `|ḡ|/2` darker, and as both if it is the pixel
+    //# of a step of light, λ beyond the window being that of the window's nearest end.
     #[test]
     fn half_of_the_contrast_parts_white_and_dark() {
         assert!(clear(&[(4, 121)]) && clear(&[(4, 120)]) && !clear(&[(4, 119)]));

@@ -89,6 +89,12 @@ impl Regions {
             }
             if region_colour != Some(colour) && threshold.is_distinct(pixel) {
                 // The raw region has a distinct pixel and another colour than what is at its left: a region begins
+                //= reference/SPEC.md#region
+                //# - **REGION-2** A raw region without a distinct pixel MUST take the colour of the nearest raw region
+                //# to its left that has one.
+                //= reference/SPEC.md#region
+                //# - **REGION-3** Raw regions without a distinct pixel at the left end of the line MUST take the colour
+                //# of the first raw region that has one.
                 // where the raw region began (REGION-2), the first one at the line's end (REGION-3).
                 let first = if region_colour.is_none() { 0 } else { run_first };
                 self.firsts.push(first).map_err(|_| LineRefusal::TooManyRegions)?;
@@ -107,6 +113,13 @@ impl Regions {
 ///
 /// # Errors
 /// `TooManyRegions` if there are more than 255, `Width` if the line has more than 65,535 pixels.
+//= reference/SPEC.md#region
+//# - **REGION-1** A raw region MUST be a maximal run of pixels of one colour.
+//= reference/SPEC.md#region
+//# - **REGION-4** The regions MUST be the maximal runs of one colour after REGION-2 and REGION-3.
+//= reference/SPEC.md#region
+//# - **REGION-5** A scan line with more than 255 regions by one of its thresholds MUST give no ROIs by that threshold
+//# (`TooManyRegions`).
 pub fn regions(line: &[u8], thresholds: &Thresholds<'_>, regions: &mut Regions) -> Result<(), LineRefusal> {
     regions.clear();
     let filled = match thresholds {
@@ -144,11 +157,21 @@ mod tests {
         (0..found.len()).map(|i| (found.first(i).unwrap(), found.colour(i))).collect()
     }
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-1** A raw region MUST be a maximal run of pixels of one colour.
     #[test]
     fn regions_are_runs_of_one_colour() {
         assert_eq!(found(&[20, 20, 180, 20]), [(0, Black), (2, White), (3, Black)]);
     }
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-2** A raw region without a distinct pixel MUST take the colour of the nearest raw region to its left
+    //# that has one.
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-4** The regions MUST be the maximal runs of one colour after REGION-2 and REGION-3.
     #[test]
     fn a_faint_raw_region_takes_the_colour_at_its_left() {
         assert_eq!(found(&[180, 91, 99, 180, 20]), [(0, White), (4, Black)]);
@@ -161,6 +184,10 @@ mod tests {
         assert_eq!(found(&[180, 20, 105, 95, 180]), [(0, White), (1, Black), (4, White)]);
     }
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-3** Raw regions without a distinct pixel at the left end of the line MUST take the colour of the
+    //# first raw region that has one.
     #[test]
     fn faint_raw_regions_at_the_left_end_join_the_first_distinct_one() {
         assert_eq!(found(&[105, 95, 105, 20, 180]), [(0, Black), (4, White)]);
@@ -172,13 +199,17 @@ mod tests {
         assert_eq!(found(&[20, 180, 95, 105]), [(0, Black), (1, White)]);
     }
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-5** A scan line with more than 255 regions by one of its thresholds MUST give no ROIs by that
+    //# threshold (`TooManyRegions`).
     #[test]
     fn more_than_255_regions_are_refused() {
         let thresholds = Thresholds::Global(Threshold { darkest: 0, brightest: 255 });
         let line: List<u8> = (0..256).map(|i| if i % 2 == 0 { 0 } else { 255 }).collect();
         let mut found = Regions::new();
         assert_eq!(regions(&line[..255], &thresholds, &mut found), Ok(()));
-        assert_eq!((found.len(), found.last(254)), (255, Some(254)));
+        assert_eq!((found.len(), found.last(254), found.is_empty()), (255, Some(254), false));
         assert_eq!(regions(&line, &thresholds, &mut found), Err(LineRefusal::TooManyRegions));
         assert!(found.is_empty());
     }

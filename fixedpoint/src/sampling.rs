@@ -67,6 +67,9 @@ impl Stripes {
 ///
 /// # Errors
 /// `Implausible` (`HOMOG-3`) for any of the homographies, `Guard`, `Transition` and `Residual` as `SAMPLE` says.
+//= reference/SPEC.md#sample
+//# - **SAMPLE-1** Stripes MUST be sampled from the borders to the centre, alternating, the left one first: 0, N-1, 1,
+//# N-2, and so on.
 pub fn sample<O: Observer>(
     scan: &Scan<'_>,
     hypothesis: &Hypothesis,
@@ -112,6 +115,10 @@ struct Sampler<'a, O> {
 
 impl<O: Observer> Sampler<'_, O> {
     /// The first homography, from the transitions of both guards (`HOMOG-2`).
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-2** The first homography of an ROI MUST be that of the `4 N_guard` transitions of its guards: from the
+    //# left end the edges `j = 0 .. 2 N_guard - 1`, from the right end `j = N .. N - 2 N_guard + 1`, each with the next
+    //# transition inwards.
     fn add_guards(&mut self) -> Result<(), HypothesisRefusal> {
         let Hypothesis { first_region, last_region, .. } = *self.hypothesis;
         for place in 0..2 * GUARD_PAIRS {
@@ -128,6 +135,12 @@ impl<O: Observer> Sampler<'_, O> {
     /// Samples the stripe `place` places from a side's end and returns its region (`SAMPLE-2`).
     ///
     /// `current` is the region of the stripe sampled before it on its side.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-5** A guard stripe `j` from either end that does not fall in the region `j` places from that end of
+    //# the ROI MUST be refused (`Guard`).
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-6** A code stripe that does not fall in the region of the stripe sampled before it on its side, or in
+    //# the next region inwards within the ROI, MUST be refused (`Transition`).
     fn sample(&mut self, side: Side, place: u8, current: u8, stripes: &mut Stripes) -> Result<u8, HypothesisRefusal> {
         let guard = place < 2 * GUARD_PAIRS;
         let stripe = match side {
@@ -144,6 +157,10 @@ impl<O: Observer> Sampler<'_, O> {
         let region = self.locate(stripe, allowed).ok_or(refusal)?;
         stripes.set(stripe, self.scan.regions.colour(region));
         if !guard && region != current {
+            //= reference/SPEC.md#sample
+            //# - **SAMPLE-7** Where a code stripe falls in the next region inwards, the transition between both MUST be
+            //# added to the homography as the edge between both stripes, and the homography be solved again before the
+            //# next stripe.
             // SAMPLE-7: the edge and the region at the right of the transition.
             match side {
                 Side::Left => self.add(stripe, Some(region))?,
@@ -163,6 +180,9 @@ impl<O: Observer> Sampler<'_, O> {
     }
 
     /// Which of the allowed regions contains the middle of a stripe; reports the sample.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-2** A stripe MUST have the colour of the region that contains the projection of its middle `t = (2 j
+    //# + 1)/N - 1` by the homography at that time.
     fn locate(&mut self, stripe: u8, allowed: [Option<u8>; 2]) -> Option<u8> {
         let (numerator, denominator) = self.solution.middle(stripe, self.format);
         let region =
@@ -175,6 +195,12 @@ impl<O: Observer> Sampler<'_, O> {
     /// Whether a region contains a column, its left boundary included and its right one not (`SAMPLE-3`).
     ///
     /// Boundaries are within ±2^11 and the denominator below 2^49, so the products are below 2^60.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-3** A region MUST contain the columns from `first - 1/2` inclusive to `last + 1/2` exclusive, so that
+    //# a middle that falls on a boundary belongs to the pixel at its right.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-4** A pipeline whose arithmetic is not exact MUST treat a middle within its declared error of a
+    //# boundary as on it.
     fn contains(&self, region: u8, numerator: i64, denominator: i64) -> Option<bool> {
         let left = self.grid.left_boundary(self.scan.regions.first(region)?)?;
         let right = self.grid.left_boundary(self.scan.regions.last(region)?.checked_add(1)?)?;
@@ -182,6 +208,12 @@ impl<O: Observer> Sampler<'_, O> {
     }
 
     /// Joins both sides in the middle (`SAMPLE-8`, `SAMPLE-9`).
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-8** When all stripes are sampled, the left and the right side's last regions MUST be the same or
+    //# neighbours, with the left one at the left, or else the ROI be refused (`Transition`).
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-9** Where SAMPLE-8 finds neighbours, the transition between both MUST be added as the middle edge `j
+    //# = N/2`, and the homography be solved again.
     fn join(&mut self, left: u8, right: u8) -> Result<(), HypothesisRefusal> {
         match right.checked_sub(left) {
             Some(0) => Ok(()),
@@ -213,6 +245,13 @@ impl<O: Observer> Sampler<'_, O> {
 
     /// Refuses an ROI whose transitions do not lie where the format has edges (`SAMPLE-10`). Exact, so that
     /// `SAMPLE-11` asks for nothing here.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-10** With `ρ = a + s t - k t z - z` the residual of a transition in HOMOG-1 by the last homography,
+    //# an ROI MUST be refused (`Residual`) if two of its transitions that have one transition between them differ in ρ
+    //# by more than `e/64` px, to which the whole-pixel rule adds 1 px and the local threshold 1 px.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-11** A pipeline whose arithmetic is not exact MUST treat a difference of SAMPLE-10 within its
+    //# declared error of the limit as on it.
     fn check_residuals(&mut self) -> Result<(), HypothesisRefusal> {
         let mut largest = 0;
         let mut before = [None; 2];

@@ -53,6 +53,9 @@ impl Skew {
     /// With the robot moved to `p` and turned by `φ`, and the camera mounted at `(m, μ)`, it is `R(-μ)(p + R(φ) m - m)` and `φ`.
     /// Rounding errors: those of [`motion::predict`] for each reading, of the turn 2^-32 π, and of the lever 2^-29 of `m`. The play is
     /// exact unless the real number is within 2^-10 px of a whole one.
+    //= reference/SPEC.md#skew
+    //# - **SKEW-1** The motion of the camera MUST be that of the robot through its mounting: MOTION-2 and MOTION-3 with
+    //# `e = g = 0` over the readings between both times, a reading's steps taken in proportion to the part of its time.
     #[must_use]
     pub fn of_ways(
         readings: impl IntoIterator<Item = Ways>,
@@ -81,6 +84,10 @@ impl Skew {
     ///
     /// Rounding errors: of `m` 2^-21 px and of `√(m² + s²)` 2^-20 px more, which count times `t/W`, and 2^-30 px; of the
     /// turn 2^-30 of what is turned and 2^-30 px; and of `a'` and `s'` 2^-21 px, of `k'` 2^-31.
+    //= reference/SPEC.md#skew
+    //# - **SKEW-2** A homography `(a, s, k)` MUST be carried to the lower row by `1/ρ = √(k² + (s/f)²)/W`, `u = (1 -
+    //# t_x/ρ, -a/f - t_y/ρ)` and `v = (k, -s/f)`, which are turned by `-φ` into `u'` and `v'`: `a' = -f u'_y/u'_x`, `s'
+    //# = -f v'_y/u'_x`, `k' = v'_x/u'_x`; its *shift* is `Δ = (a' - a, s' - s, k' - k)`.
     #[must_use]
     pub fn carry(&self, homography: &Homography, camera: &Camera, landmark: &Landmark) -> Option<Homography> {
         if self.is_at_rest() {
@@ -149,6 +156,9 @@ fn turned_back([x, y]: [i64; 2], turn: Angle) -> [i64; 2] {
 }
 
 /// Whether there can be a barcode there: `|k| <= 3/4`, `s >= N/4` and columns that grow, `s > a k` (`SKEW-3`), exactly.
+//= reference/SPEC.md#skew
+//# - **SKEW-3** A homography that is carried to `u'_x < 1/4`, `|k'| > 3/4`, `s' < N/4` or `s' <= a' k'` MUST be paired
+//# with nothing.
 fn is_barcode(homography: &Homography, landmark: &Landmark) -> bool {
     let [a, s] = [homography.a, homography.s].map(|column| i64::from(column.to_bits()));
     let k = i64::from(homography.k.to_bits());

@@ -68,11 +68,18 @@ impl Threshold {
 
     /// Whether there is something to tell apart: always by the global threshold of a line that was not refused
     /// (`THRESH-4`), so that one rule serves both thresholds.
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-4** A scan line whose range is below 24 grey levels MUST be refused (`LowContrast`).
     fn has_contrast(&self) -> bool {
         self.range() >= LEAST_RANGE
     }
 
     /// Whether a pixel is black (`THRESH-2`, `THRESH-7`).
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-2** By the global threshold a pixel of value `I` MUST be black where `2 I < T2`, and white otherwise.
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-7** By the local threshold a pixel MUST be black where `R(i) >= 24` and `2 I < T2(i)`, and white
+    //# otherwise.
     #[must_use]
     pub fn is_black(&self, pixel: u8) -> bool {
         self.has_contrast() && 2 * u16::from(pixel) < self.twice()
@@ -80,6 +87,11 @@ impl Threshold {
 
     /// Whether a pixel is at least 1/16 of the range from the threshold (`THRESH-3`), or the range too small to ask
     /// (`THRESH-8`).
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-3** By the global threshold a pixel MUST be *distinct* where `8 |2 I - T2| >= R`, that is where it is
+    //# at least 1/16 of the range from the threshold.
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-8** By the local threshold a pixel MUST be distinct where `R(i) < 24` or `8 |2 I - T2(i)| >= R(i)`.
     #[must_use]
     pub fn is_distinct(&self, pixel: u8) -> bool {
         // At most 8 * 510.
@@ -101,6 +113,9 @@ const LEAST_RANGE: u8 = 24;
 ///
 /// # Errors
 /// `LowContrast` below 24 grey levels, and for a line without pixels.
+//= reference/SPEC.md#thresh
+//# - **THRESH-1** The global threshold MUST be the mean of the scan line's largest and smallest value, kept as their
+//# sum `T2`.
 pub fn threshold(line: &[u8]) -> Result<Threshold, LineRefusal> {
     let darkest = line.iter().copied().min().unwrap_or(0);
     let brightest = line.iter().copied().max().unwrap_or(0);
@@ -112,12 +127,22 @@ pub fn threshold(line: &[u8]) -> Result<Threshold, LineRefusal> {
 mod tests {
     use super::*;
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-4** A scan line whose range is below 24 grey levels MUST be refused (`LowContrast`).
     #[test]
     fn a_range_of_24_is_the_least() {
         assert_eq!(threshold(&[100, 123, 110]), Err(LineRefusal::LowContrast));
         assert_eq!(threshold(&[110, 100, 124]), Ok(Threshold { darkest: 100, brightest: 124 }));
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-1** The global threshold MUST be the mean of the scan line's largest and smallest value, kept as
+    //# their sum `T2`.
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-2** By the global threshold a pixel of value `I` MUST be black where `2 I < T2`, and white otherwise.
     #[test]
     fn a_pixel_on_the_threshold_is_white() {
         let even = Threshold { darkest: 100, brightest: 140 };
@@ -135,6 +160,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-3** By the global threshold a pixel MUST be *distinct* where `8 |2 I - T2| >= R`, that is where it is
+    //# at least 1/16 of the range from the threshold.
     #[test]
     fn a_sixteenth_of_the_range_is_distinct() {
         // T = 140 and R = 80: distinct from 5 grey levels on.

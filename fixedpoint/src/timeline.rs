@@ -8,7 +8,7 @@
 //! queue. The other is *current*: the settled one taken through the queue. A reading that comes in order moves the current
 //! filter on; whatever comes before the newest reading takes a copy of the settled one through the queue once more.
 
-mod queue;
+pub mod queue;
 
 use crate::exposure::Time;
 use crate::filter::{self, Filter, Outcome};
@@ -64,6 +64,9 @@ impl Observation {
     }
 
     /// What orders observations (`TIME-2`), and is the same of no two of them (`TIME-8`).
+    //= reference/SPEC.md#time
+    //# - **TIME-8** A reading of the time of one in the queue, and an observation of the time, image, format, payload
+    //# and layer of one in the queue, MUST be refused (`Duplicate`), whatever it says.
     fn rank(&self) -> (Time, u32, Format, u32, MeasuredLayer) {
         (self.time, self.image, self.format(), self.payload, self.layer)
     }
@@ -109,6 +112,9 @@ impl Timeline {
     ///
     /// # Errors
     /// `Late` by `TIME-7` and `TIME-9`, `Duplicate` by `TIME-8`; then nothing has changed but a counter (`TIME-10`).
+    //= reference/SPEC.md#time
+    //# - **TIME-10** What is refused MUST change nothing but its counter, and the estimate's time never decrease: while
+    //# a clock that was set back has not caught up, everything is late.
     pub fn read(&mut self, reading: &Reading) -> Result<(), Untimely> {
         let to_settle = self.queue.admit_reading(reading).map_err(|why| self.count(why))?;
         self.settle(to_settle);
@@ -130,6 +136,9 @@ impl Timeline {
     /// # Errors
     /// `Late` by `TIME-7` and `TIME-9`, `Duplicate` by `TIME-8`, `Full` by `TIME-9`; then nothing has changed but a counter
     /// (`TIME-10`).
+    //= reference/SPEC.md#time
+    //# - **TIME-5** What comes late MUST have the same effect as if it had come in order, if its time is after the
+    //# newest reading's less 600 ms.
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Outcome>, Untimely> {
         let to_settle = self.queue.admit_observation(observation).map_err(|why| self.count(why))?;
         self.settle(to_settle);
@@ -148,6 +157,9 @@ impl Timeline {
     /// Settles everything, drops the observations that still wait, and begins anew at a time (`TIME-11`).
     ///
     /// What the wheels do between the newest reading and that time is not known to the timeline.
+    //= reference/SPEC.md#time
+    //# - **TIME-11** A timeline MUST be restarted on demand at a given time: everything is settled, observations that
+    //# still wait are dropped and counted, and times count from the given one.
     pub fn restart(&mut self, time: Time) {
         let waiting = u32::from(self.queue.waiting());
         self.refused.dropped = self.refused.dropped.saturating_add(waiting);
@@ -156,6 +168,9 @@ impl Timeline {
     }
 
     /// The state at the newest reading's time (`TIME-4`).
+    //= reference/SPEC.md#time
+    //# - **TIME-4** The estimate MUST be that of the newest reading's time; an observation after it waits for the
+    //# reading that reaches it.
     #[must_use]
     pub fn estimate(&self) -> &State {
         self.current.state()

@@ -35,6 +35,8 @@ pub struct Settled {
 ///
 /// # Errors
 /// `NoFit` if a fit is refused, the guard fit included (`ACCEPT-11`), and `Unsettled`.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-11** A pair of extents of which a fit is refused MUST be refused (`NoFit`).
 pub fn decode<O: Observer>(
     lines: [&[u8]; 2],
     extents: [Extent; 2],
@@ -58,6 +60,11 @@ pub fn decode<O: Observer>(
 ///
 /// # Errors
 /// `NoFit` if a fit is refused (`ACCEPT-11`), and `Unsettled`.
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-9** A pair of layers of which at least one was found by the local threshold and whose code word CODE-8
+//# refuses MUST be decided again as one of EXTENT-7's pairs: fitted under a step of light from the merged homography,
+//# with the half words as they were read and a blur of 1/2, and then as TRELLIS-6 to TRELLIS-8 say, each fit from the
+//# one before it, under a step of light.
 pub fn decode_again<O: Observer>(
     lines: [&[u8]; 2],
     readings: [Reading; 2],
@@ -79,6 +86,10 @@ fn layer(line: &[u8], (first_pixel, last_pixel): Extent) -> FitLayer<'_> {
 }
 
 /// Where the guard fit starts, exactly: between the means of both extents' outer edges (`TRELLIS-1`).
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-1** The *guard fit* MUST be FIT with all stripes of the code as spaces, without λ (`o' = g' = 0`, p = 4
+//# + 2 per layer), over both layers, with a `k` of 0 and the means of both extents' outer edges `first - 1/2` and `last
+//# + 1/2` as start.
 fn guard_start(upper: Extent, lower: Extent, camera: &Camera) -> Start {
     let first = i32::from(upper.0) + i32::from(lower.0);
     let last = i32::from(upper.1) + i32::from(lower.1);
@@ -106,6 +117,12 @@ impl<'a> Pair<'a> {
     }
 
     /// Fits the half words and finds them again until they stay the same (`TRELLIS-6`, `TRELLIS-7`).
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-6** Both layers MUST then be fitted with these half words (FIT) from the guard fit's `(a, s, k, σ)`,
+    //# and the half words be found again by the fit's model, and fitted from its `(a, s, k, σ)`, until they are the
+    //# same as before.
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-7** A pair MUST be refused (`Unsettled`) whose half words have changed after the third fit.
     fn settle<O: Observer>(
         &self,
         mut half_words: [u16; 2],

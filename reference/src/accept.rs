@@ -58,6 +58,9 @@ impl Limits {
     }
 
     /// `v`, what ACCEPT-6 allows for the fit's mean gain, squared grey levels.
+    //= reference/SPEC.md#accept
+    //# - **ACCEPT-6** The noise MUST be explained, `s² <= v` with `v = (ḡ/16)² + 9`, and `v = (ḡ/32)² + 9` for TRELLIS
+    //# (`Misfit`).
     #[must_use]
     pub fn variance(&self, fitted: &Fitted) -> f64 {
         let share = self.share * mean_gain(&fitted.lights);
@@ -153,6 +156,8 @@ impl View<'_> {
 }
 
 /// Decides on two decoded layers that make a code word (ACCEPT-1 to ACCEPT-12, SKEW-6 to SKEW-8).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-11** A pair of extents of which a fit is refused MUST be refused (`NoFit`).
 pub fn accept<O: Observer>(
     layers: [&DecodedLayer; 2],
     view: &View<'_>,
@@ -197,6 +202,10 @@ fn pixels_apart(layers: [&DecodedLayer; 2], rule: CrossingRule) -> f64 {
 }
 
 /// ACCEPT-2, with the play of a moving camera (SKEW-6).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-2** Of a candidate of the threshold, both layers' homographies MUST agree within 1 px in `a` and in `s`
+//# and within `1/20 + 1/s` in `k`, to which the whole-pixel rule adds 1 px, 1 px and 1/s, and a layer of the local
+//# threshold as much (`Disagree`).
 fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, pixels: f64, play: f64) -> [Test; 3] {
     let test = |value: f64, limit| Test { refusal: CandidateRefusal::Disagree, value: value.abs(), limit };
     [
@@ -207,6 +216,9 @@ fn agreement(upper: &Homography, lower: &Homography, merged: &Homography, pixels
 }
 
 /// The fit under even light, or under a step of light if that does not explain the pixels (ACCEPT-1).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-1** A candidate of the threshold MUST be fitted (FIT) from its merged homography, under even light, and
+//# if that is refused or ACCEPT-6 would refuse it, under a step of light.
 fn best_fit<O: Observer>(
     layers: &[FitLayer<'_>],
     start: &Homography,
@@ -225,12 +237,16 @@ fn best_fit<O: Observer>(
 }
 
 /// ACCEPT-3
+//= reference/SPEC.md#accept
+//# - **ACCEPT-3** The obliquity MUST be one that a camera can see, `f |k| <= 3 s` (`Oblique`).
 fn visibility(homography: &Homography, camera: &Camera) -> Test {
     let (value, limit) = (camera.focal_length * homography.k.abs(), MAX_TANGENT * homography.s);
     Test { refusal: CandidateRefusal::Oblique, value, limit }
 }
 
 /// ACCEPT-4
+//= reference/SPEC.md#accept
+//# - **ACCEPT-4** Both gains MUST be at most -12 grey levels, and neither more than twice the other (`Contrast`).
 fn contrast(fitted: &Fitted) -> [Test; 2] {
     let least = fitted.lights.iter().map(|light| -light.gain).fold(f64::INFINITY, f64::min);
     let most = fitted.lights.iter().map(|light| -light.gain).fold(f64::NEG_INFINITY, f64::max);
@@ -239,6 +255,8 @@ fn contrast(fitted: &Fitted) -> [Test; 2] {
 }
 
 /// ACCEPT-14: black is `o + g`.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-14** Under even light `8 (o + g)` MUST be at least `ḡ` in both layers (`Contrast`).
 fn blackness(fitted: &Fitted) -> Vec<Test> {
     let below = -BELOW_BLACK * mean_gain(&fitted.lights);
     let even = fitted.lights.iter().filter(|light| light.step.is_none());
@@ -247,6 +265,9 @@ fn blackness(fitted: &Fitted) -> Vec<Test> {
 }
 
 /// By how much the model of a limited pixel is within 0 to 255 at the most, grey levels (ACCEPT-13).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-13** The model of a pixel of the value 255 that FIT-5 left out of a window MUST be at least `255 - 2
+//# sqrt(v)`, and that of one of the value 0 at most `2 sqrt(v)`, but for the pixel of a step of light (`Misfit`).
 fn limited_excess(layers: &[FitLayer<'_>], fitted: &Fitted, view: &View<'_>) -> f64 {
     let format = view.landmark.format;
     let excesses = layers.iter().zip(&fitted.lights).flat_map(|(layer, light)| {
@@ -279,6 +300,10 @@ pub fn accept_fit<O: Observer>(
 }
 
 /// The fits of both layers of a moving camera, each alone (SKEW-7).
+//= reference/SPEC.md#skew
+//# - **SKEW-7** The layers of a moving camera MUST each be fitted alone from their own homography as ACCEPT-1 says, the
+//# fit of each be asked ACCEPT-3 to ACCEPT-9 and ACCEPT-12 to ACCEPT-17 alone, the upper one first, and both together
+//# ACCEPT-4's ratio of the gains before that; where either has no fit, ACCEPT-10 decides.
 fn moving_fits<O: Observer>(
     layers: &[FitLayer<'_>; 2],
     decoded: [&DecodedLayer; 2],
@@ -290,6 +315,10 @@ fn moving_fits<O: Observer>(
 }
 
 /// Decides on the fits of both layers of a moving camera (SKEW-7, SKEW-8).
+//= reference/SPEC.md#skew
+//# - **SKEW-8** What a detection of a moving camera says MUST be what is seen at the upper row's time: by the upper
+//# layer's fit, or without a fit by MERGE-4's mean of `s` and `k`, the lower layer's less the shift, and the upper
+//# layer's `a`.
 fn accept_moving<O: Observer>(
     layers: &[FitLayer<'_>; 2],
     [upper, lower]: [Fitted; 2],
@@ -309,6 +338,17 @@ fn accept_moving<O: Observer>(
 }
 
 /// The decision margin of a fit that passes all tests (ACCEPT-3 to ACCEPT-9, ACCEPT-12 to ACCEPT-17).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-5** The blur MUST be at most 1 px, and 0.9 px for TRELLIS (`Blur`).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-7** The decision margin MUST be at least `ḡ²/8`, and `ḡ²/4` for TRELLIS (`Margin`).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-15** What a barcode leaves unexplained MUST look like noise: of the `n` pixels that were fitted, less
+//# their model, the products of neighbours and those of pixels with one pixel between them, each summed over both
+//# layers, come to at most `n v/6` (`Correlated`).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-9** ACCEPT-2 to ACCEPT-4, ACCEPT-14, ACCEPT-5, ACCEPT-6, ACCEPT-13, ACCEPT-15, ACCEPT-16 and ACCEPT-7
+//# MUST be asked in this order, and the first that fails be reported.
 fn asked<O: Observer>(
     layers: &[FitLayer<'_>],
     fitted: &Fitted,
@@ -341,12 +381,21 @@ fn asked<O: Observer>(
 }
 
 /// Whether a Gaussian can say how uncertain the heading is (COV-4).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-12** A candidate MUST be refused (`Undetermined`) by COV-4 last.
+//= reference/SPEC.md#cov
+//# - **COV-4** The pose and the covariance that a detection reports MUST be these, and a fit count as undetermined if
+//# `f sqrt(Σ_kk) > s/4`, where the heading is so uncertain that no Gaussian can say it.
 pub(crate) fn determination(homography: &Homography, covariance: &Matrix3<f64>, camera: &Camera) -> Test {
     let value = camera.focal_length * covariance[(2, 2)].sqrt();
     Test { refusal: CandidateRefusal::Undetermined, value, limit: homography.s / 4.0 }
 }
 
 /// The paper's estimate (ACCEPT-10).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-10** A candidate of the threshold whose fits both are refused MUST be accepted by ACCEPT-2 and ACCEPT-3
+//# alone, on its merged homography, with the paper's estimate and covariance (COV-5), and say so, if the global
+//# threshold found both layers, and otherwise be refused (`NoFit`).
 fn unfitted(merged: &Homography, view: &View<'_>) -> Accepted {
     let camera_in_landmark = pose(merged, view.camera, view.landmark);
     let covariance = paper(&camera_in_landmark, view.camera);
@@ -355,6 +404,10 @@ fn unfitted(merged: &Homography, view: &View<'_>) -> Accepted {
 }
 
 /// The decision margin of a fit, squared grey levels (ACCEPT-8).
+//= reference/SPEC.md#accept
+//# - **ACCEPT-8** The decision margin MUST be the least change of the sum of squares over both layers and over the
+//# changes of one code stripe, of two neighbours that differ and of three neighbours of which each differs from the
+//# next, all other parameters kept and the pixel of a step of light left out.
 #[must_use]
 pub fn margin(layers: &[FitLayer<'_>], fitted: &Fitted, camera: &Camera, format: Format) -> f64 {
     let mut least = f64::INFINITY;
@@ -472,6 +525,34 @@ pub(crate) mod tests {
         accept_fit(&seen.layers(), seen.fitted.clone(), decoder, &view, &mut Silent).map(|_| ())
     }
 
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-3** The obliquity MUST be one that a camera can see, `f |k| <= 3 s` (`Oblique`).
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-4** Both gains MUST be at most -12 grey levels, and neither more than twice the other (`Contrast`).
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-5** The blur MUST be at most 1 px, and 0.9 px for TRELLIS (`Blur`).
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-6** The noise MUST be explained, `s² <= v` with `v = (ḡ/16)² + 9`, and `v = (ḡ/32)² + 9` for TRELLIS
+    //# (`Misfit`).
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-14** Under even light `8 (o + g)` MUST be at least `ḡ` in both layers (`Contrast`).
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-15** What a barcode leaves unexplained MUST look like noise: of the `n` pixels that were fitted, less
+    //# their model, the products of neighbours and those of pixels with one pixel between them, each summed over both
+    //# layers, come to at most `n v/6` (`Correlated`).
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-12** A candidate MUST be refused (`Undetermined`) by COV-4 last.
+    //= reference/SPEC.md#cov
+    //= type=test
+    //# - **COV-4** The pose and the covariance that a detection reports MUST be these, and a fit count as undetermined
+    //# if `f sqrt(Σ_kk) > s/4`, where the heading is so uncertain that no Gaussian can say it.
     #[test]
     fn each_limit_refuses_by_its_name() {
         use CandidateRefusal as Why;
@@ -531,7 +612,47 @@ pub(crate) mod tests {
         assert_eq!((uncertain(0.0120), uncertain(0.0130)), (Ok(()), Err(Why::Undetermined)));
     }
 
+    /// ACCEPT-9: of two reasons the first. What is wrong comes from the end of the list to its beginning.
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-9** ACCEPT-2 to ACCEPT-4, ACCEPT-14, ACCEPT-5, ACCEPT-6, ACCEPT-13, ACCEPT-15, ACCEPT-16 and ACCEPT-7
+    //# MUST be asked in this order, and the first that fails be reported.
+    #[test]
+    fn the_first_reason_is_reported() {
+        use CandidateRefusal as Why;
+        type Wrong = fn(&mut [Vec<u8>; 2], &mut Fitted);
+        let wrongs: [(Why, Wrong); 8] = [
+            (Why::Undetermined, |_, fitted| fitted.covariance[(2, 2)] = 1.0),
+            (Why::QuietZone, |lines, _| lines[1][276..279].fill(40)),
+            // A wave of a period of 8 px, as in the test above.
+            (Why::Correlated, |lines, _| {
+                for (i, value) in lines.iter_mut().flat_map(|line| line.iter_mut().enumerate()) {
+                    let height = [0, 7, 10, 7][i % 4];
+                    *value = value.saturating_add_signed(if i % 8 < 4 { height } else { -height });
+                }
+            }),
+            // A black pixel that is said to be limited to white.
+            (Why::Misfit, |lines, _| {
+                let (pixel, _) = lines[0].iter().enumerate().min_by_key(|(_, grey)| **grey).unwrap();
+                lines[0][pixel] = 255;
+            }),
+            (Why::Misfit, |_, fitted| fitted.variance = 1e4),
+            (Why::Blur, |_, fitted| fitted.imaging.blur = 1.1),
+            (Why::Contrast, |_, fitted| fitted.lights[0].gain = -11.0),
+            (Why::Oblique, |_, fitted| fitted.imaging.homography.k = 0.4),
+        ];
+        for count in 1..=wrongs.len() {
+            let outcome = judged(Decoder::Threshold, |lines, _, fitted| {
+                wrongs[..count].iter().for_each(|(_, wrong)| wrong(lines, fitted));
+            });
+            assert_eq!(outcome, Err(wrongs[count - 1].0), "{count}");
+        }
+    }
+
     /// Stripes that alternate, `w` = 1.02 px wide, keep `exp(-π² σ²/(2 w²))` of their contrast under a blur of 0.8 px: 1/20.
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-7** The decision margin MUST be at least `ḡ²/8`, and `ḡ²/4` for TRELLIS (`Margin`).
     #[test]
     fn stripes_that_blur_hides_have_no_margin() {
         let landmark = Landmark { stripe_height: 0.2, ..Landmark::new(Format::Paper) };
@@ -555,6 +676,10 @@ pub(crate) mod tests {
         assert_eq!(judged, Err(CandidateRefusal::Margin));
     }
 
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-13** The model of a pixel of the value 255 that FIT-5 left out of a window MUST be at least `255 - 2
+    //# sqrt(v)`, and that of one of the value 0 at most `2 sqrt(v)`, but for the pixel of a step of light (`Misfit`).
     #[test]
     fn a_limited_pixel_must_be_what_the_model_says() {
         let limited = |value: u8, where_black: bool| {
@@ -572,6 +697,11 @@ pub(crate) mod tests {
         assert_eq!(limited(0, false), Ok(()));
     }
 
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-2** Of a candidate of the threshold, both layers' homographies MUST agree within 1 px in `a` and in
+    //# `s` and within `1/20 + 1/s` in `k`, to which the whole-pixel rule adds 1 px, 1 px and 1/s, and a layer of the
+    //# local threshold as much (`Disagree`).
     #[test]
     fn layers_that_are_not_seen_from_one_place_disagree() {
         let h = Homography { a: 10.0, s: 30.0, k: 0.1 };
@@ -584,9 +714,20 @@ pub(crate) mod tests {
         // 1/20 + 1/30 and 1/20 + 2/30.
         assert!(!agree(0.0, 0.0, 0.084, fine) && agree(0.0, 0.0, 0.084, paper) && !agree(0.0, 0.0, 0.117, paper));
         assert!(agree(1.99, 1.99, 0.0, paper) && !agree(2.01, 0.0, 0.0, paper));
+        // The play of a moving camera counts for `a` alone.
+        let moving = |da: f64, ds: f64| {
+            let other = Homography { a: h.a + da, s: h.s + ds, k: h.k };
+            first_failure(&agreement(&h, &other, &h, fine, 4.0), &mut Silent).is_ok()
+        };
+        assert!(moving(4.99, 0.99) && !moving(5.01, 0.0) && !moving(0.0, 1.01));
     }
 
     /// All pixels at their limits: there are none to fit (ACCEPT-10).
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-10** A candidate of the threshold whose fits both are refused MUST be accepted by ACCEPT-2 and
+    //# ACCEPT-3 alone, on its merged homography, with the paper's estimate and covariance (COV-5), and say so, if the
+    //# global threshold found both layers, and otherwise be refused (`NoFit`).
     #[test]
     fn without_a_fit_the_global_threshold_s_estimate_is_the_paper_s() {
         let seen = Found::at_30_cm();

@@ -58,6 +58,9 @@ impl fmt::Display for AreaRefusal {
 impl core::error::Error for AreaRefusal {}
 
 /// AREA-8, written so that NaN is refused.
+//= reference/SPEC.md#area
+//# - **AREA-8** An inclination outside ±90°, an `L_min` outside 0.1 to 100 px and a range that is not a positive number
+//# MUST be refused.
 fn check(inclination: f64, min_stripe_pixels: f64) -> Result<(), AreaRefusal> {
     if !INCLINATIONS.contains(&inclination) {
         Err(AreaRefusal::Inclination)
@@ -143,6 +146,9 @@ impl Area {
     }
 
     /// Whether a camera at (`x`, `y`) in L, metres, reads the landmark (AREA-1 to AREA-4).
+    //= reference/SPEC.md#area
+    //# - **AREA-1** The detection area of a camera, a landmark, an inclination θ and an `L_min` MUST be the places `(x,
+    //# y)` with `x > 0` and `D(b_k) > 0`, k = 0..N, that meet AREA-2 to AREA-4, their boundaries included.
     #[must_use]
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let place = self.seen_from(x, y);
@@ -174,6 +180,9 @@ impl Area {
 
     /// The largest distance within the area from the barcode's centre along a direction, in radians from the wall's
     /// normal towards y (AREA-5).
+    //= reference/SPEC.md#area
+    //# - **AREA-5** The range along a direction MUST be the largest distance from the barcode's centre within the area,
+    //# and name the equation that bounds it.
     #[must_use]
     pub fn range(&self, direction: f64) -> Range {
         self.bounds(direction).range()
@@ -211,6 +220,10 @@ impl Area {
     }
 
     /// The greatest depth of the barcode's centre that AREA-4 allows, metres.
+    //= reference/SPEC.md#area
+    //# - **AREA-4** The deepest edge MUST NOT be deeper than both scan lines see nothing but stripes, `u + N X_dim |sin
+    //# θ|/2 <= h f_y/(2 q)` with RANGE-2's `h` and `q` (6), and the area be empty if a scan line does not lie on its
+    //# own layer's side of the axis.
     fn greatest_depth(&self) -> f64 {
         scan_line_depth(&self.camera, &self.landmark) - self.far_end()
     }
@@ -218,6 +231,9 @@ impl Area {
     /// AREA-2: between which lateral places the whole barcode is in view, given the depth of its centre.
     ///
     /// With `v` the lateral place the edge `b` lies `b cos θ - v` to the right of the axis.
+    //= reference/SPEC.md#area
+    //# - **AREA-2** Every edge MUST be in the horizontal field of view, `-1/2 <= o_x + f r(b_k)/D(b_k) <= Q_x - 1/2`
+    //# for k = 0 and k = N (3), (4).
     fn lateral_bounds(&self, depth: f64) -> (f64, f64) {
         let (left, right) = self.field_of_view();
         let half = self.landmark.half_width();
@@ -232,6 +248,9 @@ impl Area {
     }
 
     /// AREA-3 as a function that is at most 0 where no stripe is narrower than `L_min`, m².
+    //= reference/SPEC.md#area
+    //# - **AREA-3** The narrowest stripe MUST be at least `L_min` wide, `(u + N X_dim |sin θ|/2)(u + (N - 2) X_dim |sin
+    //# θ|/2) <= f X_dim x/L_min` (5) (ERRATA-2).
     fn narrowness(&self, place: &Place) -> f64 {
         let outer = self.far_end();
         let inner = outer - self.landmark.stripe_width * self.sine.abs();

@@ -4,6 +4,9 @@ use crate::frame::{self, Point, Pose};
 use core::fmt;
 
 /// A camera that reads two of its rows. Column `i` is the middle of pixel `i` (CAM-1).
+//= reference/SPEC.md#cam
+//# - **CAM-1** Pixel `i` MUST cover the columns from `i - 1/2` to `i + 1/2`, with `i` growing from left to right as the
+//# robot sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// `Q_x`, pixels.
@@ -65,6 +68,11 @@ pub struct Sight {
 
 impl Camera {
     /// The e-puck's camera: 480 x 8 pixels, f = 640 px horizontally and 80 px vertically, first and last row.
+    //= reference/SPEC.md#cam
+    //# - **CAM-5** The scan lines MUST be the rows that the camera's description names, by default the first (upper
+    //# layer) and the last (lower layer).
+    //= reference/SPEC.md#cam
+    //# - **CAM-6** The principal column MUST default to `(Q_x - 1)/2`.
     #[must_use]
     pub fn epuck() -> Self {
         Self {
@@ -79,6 +87,11 @@ impl Camera {
     }
 
     /// The camera itself if CAM-7 allows it.
+    //= reference/SPEC.md#cam
+    //# - **CAM-7** A camera whose width is outside 32 to 640 px, whose focal length is outside `Q_x/2` to 2048 px,
+    //# whose vertical focal length is outside 1 to 2048 px, whose principal column is outside 0 to `Q_x - 1`, whose
+    //# height is outside 2 to 4096 rows, or whose scan lines are not two rows of the image, the upper above the lower,
+    //# MUST be refused.
     pub fn checked(self) -> Result<Self, CameraRefusal> {
         let width = self.width as f64;
         // Written so that NaN fails each test.
@@ -97,6 +110,9 @@ impl Camera {
     }
 
     /// Where the camera sees a point of its own frame (CAM-2).
+    //= reference/SPEC.md#cam
+    //# - **CAM-2** A point at depth `D` (along the optical axis) and offset `r` to the right of it MUST project to the
+    //# column `o_x + f r / D`.
     #[must_use]
     pub fn project(&self, point: &Point<frame::Camera>) -> Sight {
         // y points left and columns grow to the right.
@@ -104,6 +120,12 @@ impl Camera {
     }
 
     /// Where the camera at `pose` sees the point `b` of a barcode (CAM-3).
+    //= reference/SPEC.md#cam
+    //# - **CAM-3** A point `b` of a barcode MUST project to `(Δ - o_x)/f = m (B_2 - b)/(B_1 - b)` with `m = -1/tan θ`
+    //# where `sin θ` is not 0 (ERRATA-1).
+    //= reference/SPEC.md#errata
+    //# - **ERRATA-1** (1) MUST be read with the middle term `cos θ (b - B_2) / (sin θ (B_1 - b))` and columns that grow
+    //# to the right.
     #[must_use]
     pub fn project_stripe(&self, pose: &Pose<frame::Landmark, frame::Camera>, b: f64) -> Sight {
         self.project(&pose.inverse().place(&Point::new(0.0, b)))
@@ -117,6 +139,10 @@ mod tests {
     use core::f64::consts::PI;
     use proptest::prelude::*;
 
+    //= reference/SPEC.md#cam
+    //= type=test
+    //# - **CAM-2** A point at depth `D` (along the optical axis) and offset `r` to the right of it MUST project to the
+    //# column `o_x + f r / D`.
     #[test]
     fn frontal_view_has_the_design_magnification() {
         // 30 mm at 0.3 m and f = 640 px are 64 px, centred on 239.5.
@@ -125,6 +151,12 @@ mod tests {
         assert!((right.column - (239.5 + 32.0)).abs() < 1e-9 && (right.depth - 0.3).abs() < 1e-12);
     }
 
+    //= reference/SPEC.md#cam
+    //= type=test
+    //# - **CAM-7** A camera whose width is outside 32 to 640 px, whose focal length is outside `Q_x/2` to 2048 px,
+    //# whose vertical focal length is outside 1 to 2048 px, whose principal column is outside 0 to `Q_x - 1`, whose
+    //# height is outside 2 to 4096 rows, or whose scan lines are not two rows of the image, the upper above the lower,
+    //# MUST be refused.
     #[test]
     fn nonsense_is_refused_by_name() {
         let epuck = Camera::epuck();
@@ -146,6 +178,22 @@ mod tests {
 
     proptest! {
         /// The rigid transform and the paper's (1) and (2) are two derivations of the same column and width.
+        //= reference/SPEC.md#frame
+        //= type=test
+        //# - **FRAME-2** The landmark frame L MUST have its origin at the barcode's centre, x out of the wall and y to
+        //# the right as a robot sees it that looks at the wall.
+        //= reference/SPEC.md#cam
+        //= type=test
+        //# - **CAM-3** A point `b` of a barcode MUST project to `(Δ - o_x)/f = m (B_2 - b)/(B_1 - b)` with `m = -1/tan
+        //# θ` where `sin θ` is not 0 (ERRATA-1).
+        //= reference/SPEC.md#cam
+        //= type=test
+        //# - **CAM-4** The width of stripe k in the image MUST be `L_k = |f X_dim m (B_1 - B_2) / ((B_1 - b_{k-1})(B_1
+        //# - b_k))|` where `sin θ` is not 0.
+        //= reference/SPEC.md#errata
+        //= type=test
+        //# - **ERRATA-1** (1) MUST be read with the middle term `cos θ (b - B_2) / (sin θ (B_1 - b))` and columns that
+        //# grow to the right.
         #[test]
         fn projection_agrees_with_equations_1_and_2(
             distance in 0.1..0.6f64, inclination in 0.02..1.0f64, side in any::<bool>(), bearing in -0.2..0.2f64,

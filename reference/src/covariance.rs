@@ -32,6 +32,12 @@ pub struct UncertainPose {
 }
 
 /// The pose of a Gaussian `(a, s, k)` and its covariance (COV-1 to COV-3).
+//= reference/SPEC.md#cov
+//# - **COV-2** The mean of a fitted pose MUST be the mean of POSE over the five Gauss-Hermite nodes of `k`, at the mean
+//# of `(a, s)` given each.
+//= reference/SPEC.md#cov
+//# - **COV-3** Its covariance MUST be that of the five nodes about their mean, plus the mean over the nodes of the
+//# covariance of `(a, s)` given `k` carried through the derivatives of POSE by `a` and `s`.
 #[must_use]
 pub fn transform(
     homography: &Homography,
@@ -40,6 +46,9 @@ pub fn transform(
     landmark: &Landmark,
 ) -> UncertainPose {
     let k_variance = covariance[(2, 2)];
+    //= reference/SPEC.md#cov
+    //# - **COV-1** The distribution of `(a, s, k)` MUST be split into that of `k` and that of `(a, s)` given `k`, whose
+    //# mean moves by `Σ_{as,k}/Σ_kk` per unit of k and whose covariance is `Σ_as - Σ_{as,k} Σ_{k,as}/Σ_kk`.
     // COV-1
     let by_k: Vector2<f64> = covariance.fixed_view::<2, 1>(0, 2) / k_variance;
     let given_k: Matrix2<f64> = covariance.fixed_view::<2, 2>(0, 0) - by_k * by_k.transpose() * k_variance;
@@ -100,6 +109,13 @@ pub fn jacobian(homography: &Homography, camera: &Camera, landmark: &Landmark) -
 }
 
 /// The covariance of `(x, y, θ)` of the paper's estimate (11), (12) (COV-5, ERRATA-6, ERRATA-7, ERRATA-9).
+//= reference/SPEC.md#cov
+//# - **COV-5** The covariance of the paper's estimate MUST be that of (11) in the position, along the axis `(-sin 2η,
+//# cos 2η)` with the inclination η (ERRATA-6) and across it, d at most 1 m; the heading turns with the polar angle, `δθ
+//# = (x δy - y δx)/d²`, to which a variance of `1/(12 f²)` of the bearing is added.
+//= reference/SPEC.md#errata
+//# - **ERRATA-9** The variance of θ, for which the paper has no model, MUST be that of COV-5 where the paper's estimate
+//# is used.
 #[must_use]
 pub fn paper(pose: &Pose<frame::Landmark, frame::Camera>, camera: &Camera) -> Matrix3<f64> {
     let (x, y) = (pose.x(), pose.y());
@@ -158,6 +174,14 @@ mod tests {
         }
 
         /// Where the bend does not matter the transform is the linear one.
+        //= reference/SPEC.md#cov
+        //= type=test
+        //# - **COV-1** The distribution of `(a, s, k)` MUST be split into that of `k` and that of `(a, s)` given `k`,
+        //# whose mean moves by `Σ_{as,k}/Σ_kk` per unit of k and whose covariance is `Σ_as - Σ_{as,k} Σ_{k,as}/Σ_kk`.
+        //= reference/SPEC.md#cov
+        //= type=test
+        //# - **COV-3** Its covariance MUST be that of the five nodes about their mean, plus the mean over the nodes of
+        //# the covariance of `(a, s)` given `k` carried through the derivatives of POSE by `a` and `s`.
         #[test]
         fn small_errors_go_through_linearly(a in -200.0..200.0f64, s in 20.0..100.0f64, slope in -1.7..1.7f64) {
             let (camera, landmark) = (Camera::epuck(), Landmark::new(Format::Wide));
@@ -170,6 +194,15 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#cov
+    //= type=test
+    //# - **COV-5** The covariance of the paper's estimate MUST be that of (11) in the position, along the axis `(-sin
+    //# 2η, cos 2η)` with the inclination η (ERRATA-6) and across it, d at most 1 m; the heading turns with the polar
+    //# angle, `δθ = (x δy - y δx)/d²`, to which a variance of `1/(12 f²)` of the bearing is added.
+    //= reference/SPEC.md#errata
+    //= type=test
+    //# - **ERRATA-9** The variance of θ, for which the paper has no model, MUST be that of COV-5 where the paper's
+    //# estimate is used.
     #[test]
     fn the_papers_covariance_has_the_papers_axes() {
         // 30 cm away under 30°: the long axis at -30° (ERRATA-6), sqrt(exp(25.7 0.3 - 15.46)) = 20.8 mm.

@@ -23,6 +23,8 @@ pub struct Crossing {
 }
 
 /// Fraction bits `Q` of the crossings of an ROI (CROSS-1).
+//= reference/SPEC.md#cross
+//# - **CROSS-1** `Q` MUST be the largest integer for which `(e + 1) 2^Q <= 4096`, e being the ROI's extent.
 #[must_use]
 pub fn subpixel_bits(hypothesis: &Hypothesis) -> u32 {
     (4096 / (hypothesis.extent() + 1)).max(2).ilog2()
@@ -33,12 +35,18 @@ pub fn subpixel_bits(hypothesis: &Hypothesis) -> u32 {
 pub fn crossing(line: &Thresholded<'_>, rule: CrossingRule, roi: &Hypothesis, i: usize) -> i32 {
     let unit = 1 << subpixel_bits(roi);
     let fraction = match rule {
+        //= reference/SPEC.md#cross
+        //# - **CROSS-2** By the `interpolated` rule, the default, the transition between the pixels `i` and `i + 1`
+        //# MUST lie at `i + e_0/(e_0 + e_1)`, with `e_0 = |2 I_i - T2(i)|` and `e_1 = |2 I_{i+1} - T2(i+1)|`, rounded
+        //# to the nearest unit, halves up.
         CrossingRule::Interpolated => {
             let before = line.contrast(i).abs();
             let after = line.contrast(i + 1).abs();
             // Rounded half up; both contrasts cannot be 0, since a black pixel's is below.
             (2 * unit * before + before + after) / (2 * (before + after))
         }
+        //= reference/SPEC.md#cross
+        //# - **CROSS-3** By the `whole-pixel` rule, the paper's, the transition MUST lie at `i + 1/2`.
         CrossingRule::WholePixel => unit / 2,
     };
     let twice_from_middle = 2 * signed(i) - signed(roi.first_pixel + roi.last_pixel);
@@ -59,6 +67,9 @@ mod tests {
         Hypothesis { first_region: 1, last_region: 1, first_pixel, last_pixel }
     }
 
+    //= reference/SPEC.md#cross
+    //= type=test
+    //# - **CROSS-1** `Q` MUST be the largest integer for which `(e + 1) 2^Q <= 4096`, e being the ROI's extent.
     #[test]
     fn resolution_follows_the_extent() {
         let bits = |extent: usize| subpixel_bits(&roi(0, extent - 1));
@@ -68,6 +79,14 @@ mod tests {
         );
     }
 
+    //= reference/SPEC.md#cross
+    //= type=test
+    //# - **CROSS-2** By the `interpolated` rule, the default, the transition between the pixels `i` and `i + 1` MUST
+    //# lie at `i + e_0/(e_0 + e_1)`, with `e_0 = |2 I_i - T2(i)|` and `e_1 = |2 I_{i+1} - T2(i+1)|`, rounded to the
+    //# nearest unit, halves up.
+    //= reference/SPEC.md#cross
+    //= type=test
+    //# - **CROSS-3** By the `whole-pixel` rule, the paper's, the transition MUST lie at `i + 1/2`.
     #[test]
     fn crossings_are_interpolated_and_rounded_half_up() {
         let threshold = Threshold { darkest: 0, brightest: 200 };

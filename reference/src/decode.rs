@@ -43,6 +43,9 @@ pub fn decode<O: Observer>(
 }
 
 /// The half word of N stripes given from left to right (DECODE-1).
+//= reference/SPEC.md#decode
+//# - **DECODE-1** The half word MUST be the colours of the `N_code` stripes between the guards, black as 1, the
+//# left-most stripe as the most significant bit.
 #[must_use]
 pub fn half_word(format: Format, colours: &[Colour]) -> u32 {
     let code = colours.iter().skip(2 * GUARD_PAIRS).take(format.code_stripes());
@@ -54,6 +57,10 @@ mod tests {
     use super::*;
     use crate::landmark::stripes;
 
+    //= reference/SPEC.md#decode
+    //= type=test
+    //# - **DECODE-1** The half word MUST be the colours of the `N_code` stripes between the guards, black as 1, the
+    //# left-most stripe as the most significant bit.
     #[test]
     fn decoding_undoes_nrz() {
         for (format, half_word) in [(Format::Paper, 0b1100_1100_0001), (Format::Wide, 0b0011_0000_0101_1110)] {

@@ -17,6 +17,13 @@ use crate::threshold::{Threshold, Thresholded, Thresholding, threshold};
 
 /// The landmarks in two scan lines, looked for in the formats of `landmarks` (LINE-1 to LINE-5, MERGE-8). A format that
 /// is asked for again is ignored.
+//= reference/SPEC.md#line
+//# - **LINE-1** A scan line MUST be a slice of 8-bit grey values, one for each column of the camera.
+//= reference/SPEC.md#line
+//# - **LINE-3** A refusal on one scan line MUST NOT change the results of the other.
+//= reference/SPEC.md#line
+//# - **LINE-4** Several formats MUST be searched one after the other, each as if it were the only one but for EXTENT-5,
+//# before MERGE-7 compares them.
 pub fn detect<O: Observer>(
     upper: &[u8],
     lower: &[u8],
@@ -88,6 +95,9 @@ struct Search<'a, O> {
 
 impl<O: Observer> Search<'_, O> {
     /// What a line gives in each format, first by its global threshold and then by its local one (LINE-5).
+    //= reference/SPEC.md#line
+    //# - **LINE-5** The upper line MUST be searched before the lower one, each in all formats by its global threshold
+    //# (THRESH-1) and then in all formats by its local one (THRESH-6).
     fn line(&mut self, layer: Layer, line: &[u8]) -> Searched {
         let mut found = vec![Found::default(); self.formats.len()];
         let threshold = match self.global_threshold(layer, line) {
@@ -104,6 +114,8 @@ impl<O: Observer> Search<'_, O> {
         Searched { threshold, found }
     }
 
+    //= reference/SPEC.md#line
+    //# - **LINE-2** A scan line whose length is not the camera's width MUST be refused (`Width`).
     fn global_threshold(&mut self, layer: Layer, line: &[u8]) -> Result<Threshold, LineRefusal> {
         if line.len() != self.camera.width {
             return Err(LineRefusal::Width);
@@ -129,6 +141,9 @@ impl<O: Observer> Search<'_, O> {
     }
 
     /// Adds the decoded ROIs of one format by one threshold to those before, up to a ninth one (DECODE-2).
+    //= reference/SPEC.md#decode
+    //# - **DECODE-2** A line MUST give no layers of a format of which it has more than 8 by both thresholds together,
+    //# and the search in that format end with the ninth (`TooManyLayers`).
     fn layers(
         &mut self,
         layer: Layer,
@@ -194,6 +209,10 @@ mod tests {
     const PAPER: [Format; 1] = [Format::Paper];
 
     /// Bars of 1.5 px are seeds of 1 px, which reach 50 px: barcodes of 30 px may be 22 px apart.
+    //= reference/SPEC.md#decode
+    //= type=test
+    //# - **DECODE-2** A line MUST give no layers of a format of which it has more than 8 by both thresholds together,
+    //# and the search in that format end with the ninth (`TooManyLayers`).
     #[test]
     fn eight_layers_are_read_and_nine_are_too_many() {
         let row = |count: u32| (0..count).map(|i| (0x1234 + i, 10 + 52 * i as usize)).collect::<Vec<_>>();
@@ -202,6 +221,12 @@ mod tests {
         assert_eq!(payloads(&lines(&row(9)), &paper), []);
     }
 
+    //= reference/SPEC.md#line
+    //= type=test
+    //# - **LINE-2** A scan line whose length is not the camera's width MUST be refused (`Width`).
+    //= reference/SPEC.md#line
+    //= type=test
+    //# - **LINE-3** A refusal on one scan line MUST NOT change the results of the other.
     #[test]
     fn a_line_of_another_width_or_colour_does_not_change_the_other() {
         #[derive(Default)]
@@ -277,6 +302,14 @@ mod tests {
         (found, heard.0)
     }
 
+    //= reference/SPEC.md#line
+    //= type=test
+    //# - **LINE-4** Several formats MUST be searched one after the other, each as if it were the only one but for
+    //# EXTENT-5, before MERGE-7 compares them.
+    //= reference/SPEC.md#line
+    //= type=test
+    //# - **LINE-5** The upper line MUST be searched before the lower one, each in all formats by its global threshold
+    //# (THRESH-1) and then in all formats by its local one (THRESH-6).
     #[test]
     fn each_line_is_searched_in_all_formats_globally_and_then_locally() {
         use Event::{Decoded, Hypothesis, Regions, Repeated, Threshold};

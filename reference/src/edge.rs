@@ -18,6 +18,10 @@ pub struct Response {
 
 /// The ink of a pixel whose middle lies `distance` px to the right of an edge from white to black, blurred by a
 /// Gaussian of the standard deviation `blur` > 0 in pixels (EDGE-1).
+//= reference/SPEC.md#edge
+//# - **EDGE-1** The ink that an edge from white at its left to black at its right brings to a pixel whose middle is `u`
+//# px to the right of it MUST be `c(u) = ρ(u + 1/2) - ρ(u - 1/2)` with `ρ(t) = t Φ(t/σ) + σ φ(t/σ)`, σ the blur, Φ the
+//# normal distribution and φ its density (RENDER-1, RENDER-2).
 #[must_use]
 pub fn ink(distance: f64, blur: f64) -> f64 {
     response(distance, blur).ink
@@ -123,6 +127,11 @@ mod tests {
     }
 
     proptest! {
+        //= reference/SPEC.md#edge
+        //= type=test
+        //# - **EDGE-1** The ink that an edge from white at its left to black at its right brings to a pixel whose
+        //# middle is `u` px to the right of it MUST be `c(u) = ρ(u + 1/2) - ρ(u - 1/2)` with `ρ(t) = t Φ(t/σ) + σ
+        //# φ(t/σ)`, σ the blur, Φ the normal distribution and φ its density (RENDER-1, RENDER-2).
         #[test]
         fn the_ink_is_the_blurred_step_integrated_over_the_pixel(distance in -1.5..1.5f64, blur in 0.3..1.2f64) {
             prop_assert!((ink(distance, blur) - integrated(distance, blur)).abs() < 1e-8);

@@ -73,6 +73,9 @@ pub enum Stamp {
 
 impl Capture {
     /// EXPOSE-2
+    //= reference/SPEC.md#expose
+    //# - **EXPOSE-2** An image MUST be refused (`Capture`) unless `t_0 < t_1 <= t_p`, `t_p` the end of its processing,
+    //# and `t_1 - t_0` is at most 1 s.
     pub fn check(&self) -> Result<(), CaptureRefusal> {
         let length = self.end.since(self.start);
         let is_possible = (1..=LONGEST_CAPTURE).contains(&length) && self.end <= self.processed;
@@ -80,6 +83,9 @@ impl Capture {
     }
 
     /// The middle of a row's exposure, of an image of `height` rows (EXPOSE-1).
+    //= reference/SPEC.md#expose
+    //# - **EXPOSE-1** A row `r` of an image that was captured from `t_0` to `t_1` MUST count as exposed at `t_0 +
+    //# floor((2 r + 1)(t_1 - t_0)/(2 Q_y))`, the middle of its share of the capture.
     #[must_use]
     pub fn row_time(&self, row: usize, height: usize) -> Time {
         let length = self.end.since(self.start);
@@ -87,6 +93,9 @@ impl Capture {
     }
 
     /// The time by which an observation of a row is taken (EXPOSE-1, EXPOSE-3).
+    //= reference/SPEC.md#expose
+    //# - **EXPOSE-3** By the paper's stamp all of an image MUST count as seen at `floor((t_1 + t_p)/2)`, the middle of
+    //# its processing (ERRATA-11); where the rows lie to each other (SKEW) stays as it is.
     #[must_use]
     pub fn seen(&self, row: usize, height: usize, stamp: Stamp) -> Time {
         match stamp {
@@ -102,6 +111,10 @@ mod tests {
 
     const CAPTURE: Capture = Capture { start: Time(1_000_000), end: Time(1_300_000), processed: Time(1_400_000) };
 
+    //= reference/SPEC.md#expose
+    //= type=test
+    //# - **EXPOSE-1** A row `r` of an image that was captured from `t_0` to `t_1` MUST count as exposed at `t_0 +
+    //# floor((2 r + 1)(t_1 - t_0)/(2 Q_y))`, the middle of its share of the capture.
     #[test]
     fn the_scan_lines_of_an_e_puck_are_a_quarter_of_a_second_apart() {
         // 300 ms in 8 rows of 37.5 ms.
@@ -110,12 +123,20 @@ mod tests {
         assert_eq!(CAPTURE.seen(7, 8, Stamp::MidExposure), Time(1_281_250));
     }
 
+    //= reference/SPEC.md#expose
+    //= type=test
+    //# - **EXPOSE-3** By the paper's stamp all of an image MUST count as seen at `floor((t_1 + t_p)/2)`, the middle of
+    //# its processing (ERRATA-11); where the rows lie to each other (SKEW) stays as it is.
     #[test]
     fn the_paper_stamps_the_middle_of_the_processing() {
         assert_eq!(CAPTURE.seen(0, 8, Stamp::Processing), Time(1_350_000));
         assert_eq!(CAPTURE.seen(7, 8, Stamp::Processing), Time(1_350_000));
     }
 
+    //= reference/SPEC.md#expose
+    //= type=test
+    //# - **EXPOSE-2** An image MUST be refused (`Capture`) unless `t_0 < t_1 <= t_p`, `t_p` the end of its processing,
+    //# and `t_1 - t_0` is at most 1 s.
     #[test]
     fn captures_end_after_they_begin_and_before_they_are_processed() {
         assert_eq!(CAPTURE.check(), Ok(()));

@@ -30,6 +30,12 @@ impl Extent {
 pub type Pair = [Extent; 2];
 
 /// The extents of a line, by their first and then by their last pixel (EXTENT-1 to EXTENT-3).
+//= reference/SPEC.md#extent
+//# - **EXTENT-2** An extent MUST reach from the first pixel of a maximal run of dark pixels to the last pixel of the
+//# same or a later one, with `e >= N` and `4 e <= 9 N`.
+//= reference/SPEC.md#extent
+//# - **EXTENT-3** On either side of an extent there MUST be `q` pixels of the line that are not dark with `N (q + 1) >=
+//# 2 e`.
 #[must_use]
 pub fn of_line(line: &[u8], threshold: &Threshold, format: Format) -> Vec<Extent> {
     let runs = dark_runs(line, threshold);
@@ -51,6 +57,8 @@ pub fn of_line(line: &[u8], threshold: &Threshold, format: Format) -> Vec<Extent
 }
 
 /// The maximal runs of dark pixels (EXTENT-1).
+//= reference/SPEC.md#extent
+//# - **EXTENT-1** A pixel MUST be dark where `4 I < 3 brightest + darkest`, with the line's extreme values.
 fn dark_runs(line: &[u8], threshold: &Threshold) -> Vec<Extent> {
     let limit = 3 * i32::from(threshold.brightest) + i32::from(threshold.darkest);
     let mut runs: Vec<Extent> = Vec::new();
@@ -64,6 +72,12 @@ fn dark_runs(line: &[u8], threshold: &Threshold) -> Vec<Extent> {
 }
 
 /// All pairs of the extents of two lines, in the order of EXTENT-6 (EXTENT-4).
+//= reference/SPEC.md#extent
+//# - **EXTENT-4** An upper and a lower extent MUST be paired where their first pixels differ by at most 2 px and their
+//# last pixels by at most 2 px.
+//= reference/SPEC.md#extent
+//# - **EXTENT-6** Pairs MUST be tried in the order of the upper extent's first pixel, its last pixel, the lower
+//# extent's first pixel and its last pixel.
 pub fn extents(upper: &[Extent], lower: &[Extent]) -> impl Iterator<Item = Pair> {
     let near = |one: usize, other: usize| one.abs_diff(other) <= PAIR_DISTANCE;
     upper.iter().flat_map(move |u| {
@@ -90,6 +104,9 @@ mod tests {
         of_line(&line(runs), &BLACK_AND_WHITE, format).iter().map(|extent| (extent.first, extent.last)).collect()
     }
 
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-1** A pixel MUST be dark where `4 I < 3 brightest + darkest`, with the line's extreme values.
     #[test]
     fn a_quarter_of_the_range_below_white_is_dark() {
         let mut grey = line(&[]);
@@ -99,6 +116,10 @@ mod tests {
         assert_eq!(of_line(&grey, &BLACK_AND_WHITE, Format::Paper).len(), 0);
     }
 
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-2** An extent MUST reach from the first pixel of a maximal run of dark pixels to the last pixel of
+    //# the same or a later one, with `e >= N` and `4 e <= 9 N`.
     #[test]
     fn extents_have_one_to_two_and_a_quarter_pixels_per_stripe() {
         assert_eq!(found(&[(40, 58)], Format::Paper), []);
@@ -108,6 +129,10 @@ mod tests {
         assert_eq!(found(&[(40, 93)], Format::Wide), [(40, 93)]);
     }
 
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-3** On either side of an extent there MUST be `q` pixels of the line that are not dark with `N (q +
+    //# 1) >= 2 e`.
     #[test]
     fn quiet_zones_are_two_stripes_less_a_pixel() {
         // 30 px: 20 (q + 1) >= 60, so two light pixels are enough and one is not.
@@ -117,6 +142,10 @@ mod tests {
         assert_eq!(found(&[(5, 34), (36, 39)], Format::Paper), [(5, 39)]);
     }
 
+    //= reference/SPEC.md#extent
+    //= type=test
+    //# - **EXTENT-4** An upper and a lower extent MUST be paired where their first pixels differ by at most 2 px and
+    //# their last pixels by at most 2 px.
     #[test]
     fn extents_are_paired_where_both_ends_are_near() {
         let at = |first, last| Extent { first, last };

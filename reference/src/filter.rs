@@ -95,6 +95,8 @@ impl Filter {
     }
 
     /// The wheels have moved (FILTER-1).
+    //= reference/SPEC.md#filter
+    //# - **FILTER-1** The wheels' ways MUST move the state, and the candidate of FILTER-6 if there is one, by MOTION.
     pub fn predict(&mut self, ways: &Ways) {
         self.estimate = self.estimate.predicted(ways, &self.drive);
         if let Some(candidate) = &mut self.candidate {
@@ -118,6 +120,15 @@ impl Filter {
     }
 
     /// FILTER-6 to FILTER-8
+    //= reference/SPEC.md#filter
+    //# - **FILTER-6** An observation that is not used MUST become the candidate, its pose and covariance by OBSERVE-2
+    //# and of `e` and `g` what the filter knows, unless it agrees with the candidate there is by FILTER-4 and is used
+    //# for that.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-7** A candidate on which observations of two images agree MUST replace the estimate *(choice: both
+    //# layers of an image share a check byte)*.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-8** An observation that is used MUST end the candidate.
     fn consider(&mut self, sighting: &Sighting, image: u64, nis: Option<f64>) -> Outcome {
         let agreeing = self.candidate.and_then(|candidate| {
             let update = candidate.estimate.updated(sighting, &self.drive).filter(|update| update.nis <= GATE)?;
@@ -149,6 +160,10 @@ struct Pace {
 
 impl Pace {
     /// The share, for the way that the latest linearisation leads.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-9** Each further linearisation MUST be the share `ω` of the way from the one before to where that
+    //# leads, `ω` being 1 at first and then `ω/(1 - r)` within 1/4 and 4, or 4 if `r >= 1`, with `r = d·d'/(d'·d')` of
+    //# this way `d` and the way before, `d'`, in metres and radians.
     fn next(&mut self, way: Vector3<f64>) -> f64 {
         if let Some(before) = self.way.replace(way) {
             let rest = 1.0 - way.dot(&before) / before.norm_squared();
@@ -173,6 +188,20 @@ impl Estimate {
     /// The estimate after an observation: linearised where it leads, until that settles (FILTER-2 to FILTER-5); `None` if
     /// it does not settle, if the landmark is not in front of the camera on the way, or if the innovation's covariance is not
     /// positive definite.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-2** An observation MUST be linearised at the estimate and again towards where that leads (FILTER-9),
+    //# until the position moves by less than 2e-5 m along x and y together and the heading by less than 2e-5 rad, 10
+    //# times at most.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-3** The innovation MUST be `ν = z - h(x_i) + H (x_i - x_0)`, its covariance `S = H P Hᵀ + R`, and the
+    //# estimate `x_0 + P Hᵀ S⁻¹ ν`, with `R` the noise and MOTION-7's, angles the short way round.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-4** An observation MUST be used if its linearisations end before or with the tenth, if its NIS, `νᵀ
+    //# S⁻¹ ν` at the last one, is at most 16.266 *(1 in 1,000 of a chi-square of three)*, and if its landmark's centre
+    //# is at least 2^-8 m in front of the camera wherever it is linearised.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-5** The covariance MUST become `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, or what is the same without
+    //# rounding.
     fn updated(&self, sighting: &Sighting, drive: &Drive) -> Option<Update> {
         let coarse = motion::step_noise(&self.state, drive);
         let mut state = self.state;
@@ -290,6 +319,11 @@ mod tests {
     const START: [f64; STATES] = [0.005, 0.005, 0.02, 0.002, 0.005];
 
     /// FILTER-9: a way that shrinks by the share `r` at each linearisation leads to its end at once.
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-9** Each further linearisation MUST be the share `ω` of the way from the one before to where that
+    //# leads, `ω` being 1 at first and then `ω/(1 - r)` within 1/4 and 4, or 4 if `r >= 1`, with `r = d·d'/(d'·d')` of
+    //# this way `d` and the way before, `d'`, in metres and radians.
     #[test]
     fn the_next_linearisation_is_where_the_ways_lead() {
         let way = Vector3::new(0.3, -0.4, 1.2);
@@ -322,6 +356,10 @@ mod tests {
     }
 
     /// The NIS of a filter that knows its noise is a chi-square of three.
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-3** The innovation MUST be `ν = z - h(x_i) + H (x_i - x_0)`, its covariance `S = H P Hᵀ + R`, and the
+    //# estimate `x_0 + P Hᵀ S⁻¹ ν`, with `R` the noise and MOTION-7's, angles the short way round.
     #[test]
     fn the_nis_is_a_chi_square() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -346,6 +384,15 @@ mod tests {
         assert!((2.5..3.5).contains(&mean), "{mean}");
     }
 
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-6** An observation that is not used MUST become the candidate, its pose and covariance by OBSERVE-2
+    //# and of `e` and `g` what the filter knows, unless it agrees with the candidate there is by FILTER-4 and is used
+    //# for that.
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-7** A candidate on which observations of two images agree MUST replace the estimate *(choice: both
+    //# layers of an image share a check byte)*.
     #[test]
     fn two_images_that_agree_bring_a_kidnapped_robot_back() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -360,6 +407,14 @@ mod tests {
         assert_eq!(filter.counts(), Counts { used: 0, gated: 2, recovered: 1 });
     }
 
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-4** An observation MUST be used if its linearisations end before or with the tenth, if its NIS, `νᵀ
+    //# S⁻¹ ν` at the last one, is at most 16.266 *(1 in 1,000 of a chi-square of three)*, and if its landmark's centre
+    //# is at least 2^-8 m in front of the camera wherever it is linearised.
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-8** An observation that is used MUST end the candidate.
     #[test]
     fn one_false_landmark_moves_nothing() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);

@@ -99,6 +99,8 @@ impl LayerLight {
     }
 
     /// The model of a pixel of the window with some ink, grey levels (FIT-2).
+    //= reference/SPEC.md#fit
+    //# - **FIT-2** The model of pixel `i` MUST be `o + g c_i + λ_i (o' + g' c_i)` with its ink `c_i` (EDGE-2).
     #[must_use]
     pub fn model_at(&self, window: &Window, pixel: usize, ink: f64) -> f64 {
         self.white_at(window, pixel) + self.gain_at(window, pixel) * ink
@@ -122,6 +124,9 @@ pub fn is_limited(value: u8) -> bool {
 }
 
 /// How far a pixel's value is from a model, grey levels; beyond the limits of RENDER-5 it may be anything (TRELLIS-11).
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-11** In TRELLIS-5 and ACCEPT-8 the model of a pixel of the value 255 MUST count as at most 255, and that
+//# of one of the value 0 as at least 0, since RENDER-5 limits what is brighter or darker.
 #[must_use]
 pub fn difference(value: u8, model: f64) -> f64 {
     match value {
@@ -144,6 +149,9 @@ pub struct Window {
 
 impl Window {
     /// The window of an ROI (FIT-1).
+    //= reference/SPEC.md#fit
+    //# - **FIT-1** The window of a layer MUST be the pixels from `first - P` to `last + P` within the line, with `P =
+    //# min(4, floor(2 e/N))` and `e` the ROI's extent.
     #[must_use]
     pub fn of(first_pixel: usize, last_pixel: usize, format: Format, width: usize) -> Self {
         let extent = last_pixel - first_pixel + 1;
@@ -152,11 +160,19 @@ impl Window {
     }
 
     /// Whether a pixel is fitted (FIT-4, FIT-5, TRELLIS-2).
+    //= reference/SPEC.md#fit
+    //# - **FIT-5** Pixels of the value 0 or 255 MUST be left out, since RENDER-5 limits them.
     fn counts(&self, pixel: usize, value: u8, light: &LayerLight) -> bool {
         !is_limited(value) && !self.gap.contains(&pixel) && light.step != Some(pixel)
     }
 
     /// λ of a pixel (FIT-3, FIT-4).
+    //= reference/SPEC.md#fit
+    //# - **FIT-3** Under even light `λ_i` MUST be `(2 i - l - r)/(r - l)`, with `l` and `r` the window's first and last
+    //# pixel.
+    //= reference/SPEC.md#fit
+    //# - **FIT-4** Under a step of light `λ_i` MUST be -1 to the left and 1 to the right of the pixel `m` of the
+    //# layer's step, which is left out.
     #[must_use]
     pub fn lambda(&self, pixel: usize, light: &LayerLight) -> f64 {
         match light.step {
@@ -222,6 +238,9 @@ pub struct Ink {
 }
 
 /// The ink of the pixels `first..=last` of a layer (EDGE-2).
+//= reference/SPEC.md#edge
+//# - **EDGE-2** The ink of a pixel MUST be the sum of `c` over all edges of a layer from white to black less that over
+//# all edges from black to white.
 #[must_use]
 pub fn inks(imaging: &Imaging, camera: &Camera, format: Format, stripes: &[bool], pixels: (usize, usize)) -> Vec<Ink> {
     let mut inks = vec![Ink::default(); pixels.1 - pixels.0 + 1];
@@ -318,6 +337,9 @@ impl Problem<'_> {
             sum.squares += residual * residual;
             sum.pixels += 1;
         }
+        //= reference/SPEC.md#fit
+        //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of the normal equations from which each layer's
+        //# own parameters have been eliminated, with 2^-8 added to the diagonal of the eliminated block.
         // FIT-8; without λ its two rows are empty, and the damping keeps them at rest.
         let own = normal.fixed_view::<4, 4>(4, 4) + Matrix4::identity() * DAMPING;
         let own = own.cholesky()?;
@@ -342,6 +364,9 @@ impl Problem<'_> {
     }
 
     /// `n - p` if there are enough pixels (FIT-11, FIT-12).
+    //= reference/SPEC.md#fit
+    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that
+    //# are not left out all lie within less than 12 grey levels.
     fn degrees_of_freedom(&self, pixels: usize) -> Result<usize, FitRefusal> {
         let parameters = 4 + self.plan.own_parameters() * self.layers.len();
         if pixels < parameters + 8 { Err(FitRefusal::TooFewPixels) } else { Ok(pixels - parameters) }
@@ -349,6 +374,12 @@ impl Problem<'_> {
 }
 
 /// The Gauss-Newton step, shortened (FIT-8 to FIT-11); `None` if the equations are not positive definite.
+//= reference/SPEC.md#fit
+//# - **FIT-9** A step MUST be shortened as a whole until `|Δa|` and `|Δs|` are at most 1 px, `|Δk|` at most 0.1 and
+//# `|Δσ|` at most 0.2 px, before the layers' own steps follow from it.
+//= reference/SPEC.md#fit
+//# - **FIT-10** A step that would take σ out of 0.2 to 1.2 px MUST, before FIT-9, be the one that takes it to that
+//# limit and solves the equations for `a`, `s` and `k` there.
 fn step(reduced: &Reduced, blur: f64) -> Option<Step> {
     let mut common = reduced.matrix.cholesky()?.solve(&reduced.right);
     let within = (blur + common[3]).clamp(*BLURS.start(), *BLURS.end()) - blur;
@@ -365,12 +396,19 @@ fn step(reduced: &Reduced, blur: f64) -> Option<Step> {
 }
 
 /// FIT-13
+//= reference/SPEC.md#fit
+//# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations are
+//# not positive definite, or if a step leads to `|k| > 3/4`, to `s < N/4`, to columns that do not grow, `s <= a k`, or
+//# to a light of `|o| + |o'|` or `|g| + |g'|` above 511 grey levels.
 fn is_possible(homography: &Homography, format: Format) -> bool {
     let Homography { a, s, k } = *homography;
     k.abs() <= 0.75 && s >= format.stripes() as f64 / 4.0 && s > a * k
 }
 
 /// The light at the start (FIT-7).
+//= reference/SPEC.md#fit
+//# - **FIT-7** The start MUST be the given `(a, s, k)`, σ = 1/2, and for each layer the largest value of its window as
+//# `o`, the smallest less the largest as `g`, and 0 as `o'` and `g'`.
 fn first_light(layer: &FitLayer<'_>, window: &Window) -> LayerLight {
     let values = &layer.line[window.first..=window.last];
     let (darkest, brightest) =
@@ -379,6 +417,12 @@ fn first_light(layer: &FitLayer<'_>, window: &Window) -> LayerLight {
 }
 
 /// The fit of one or both layers of a landmark from `start` (FIT-1 to FIT-15).
+//= reference/SPEC.md#fit
+//# - **FIT-6** The estimate MUST be the minimum of the sum of the squared differences between the pixels of all layers
+//# and their model, over all parameters, that Gauss-Newton steps lead to.
+//= reference/SPEC.md#fit
+//# - **FIT-14** The covariance of `(a, s, k)` MUST be `s²` times that block of the inverse of the reduced normal
+//# equations' matrix, at the last step.
 pub fn fit(
     layers: &[FitLayer<'_>],
     start: &Imaging,
@@ -464,6 +508,11 @@ pub fn fit_windows(
 
 /// What a step lowers the sum of squares by, of the layers' own parameters and of the common ones, as a share of what FIT-11
 /// allows with `s² = 1`.
+//= reference/SPEC.md#fit
+//# - **FIT-11** With `s² = max(SSE/(n - p), 1/4)`, n pixels, `p = 4 + 4` per layer, the fit MUST have converged when a
+//# step, before it is shortened, lowers the sum of squares of the linearised model by at most `s²/225`, or under a step
+//# of light by at most `s²/16` with the layers' own parameters alone and by at most `s²/225` more with the others; that
+//# step is the last one.
 fn share_of_limit(own: f64, common: f64, illumination: Illumination) -> f64 {
     match illumination {
         Illumination::Even => (own + common) / CONVERGED,
@@ -472,6 +521,10 @@ fn share_of_limit(own: f64, common: f64, illumination: Illumination) -> f64 {
 }
 
 /// Whether the guards have so far been explained as well as true ones are (TRELLIS-10).
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-10** The guard fit MUST be refused if in the equations of its second, third or fifth step `s²` is more
+//# than `9 + ḡ²/9`, `9 + ḡ²/16` or `9 + ḡ²/64`, `ḡ` being the mean of the gains that these equations start from, or if
+//# in one of its steps `ḡ` is above -12.
 fn promises(step: usize, variance: f64, lights: &[LayerLight]) -> bool {
     let gain = mean_gain(lights);
     let share = match step {
@@ -534,6 +587,11 @@ impl Sums {
 ///
 /// Between two places that leave about the same sum of squares, two residuals trade places. An error `ε` of the model changes
 /// the difference of the sums by `2 sqrt(2) r ε`, `r` being the size of the residuals there: the slack is the `ε` that it takes.
+//= reference/SPEC.md#fit
+//# - **FIT-15** The pixel `m` of a layer's step of light MUST be the one for which the model without λ, fitted to
+//# either side of it alone, leaves the smallest sum of squares, `c_i` being those of the start, `g` of either side
+//# being drawn towards its start by adding `(g - g_0)²/16` to the sum; the left-most of equals, among those with at
+//# least one pixel of the window on either side.
 #[must_use]
 pub fn step_of_light(
     layer: &FitLayer<'_>,
@@ -638,6 +696,14 @@ mod tests {
 
     proptest! {
         /// The stated basin: every edge of the guards within 0.4 stripes.
+        //= reference/SPEC.md#edge
+        //= type=test
+        //# - **EDGE-2** The ink of a pixel MUST be the sum of `c` over all edges of a layer from white to black less
+        //# that over all edges from black to white.
+        //= reference/SPEC.md#fit
+        //= type=test
+        //# - **FIT-6** The estimate MUST be the minimum of the sum of the squared differences between the pixels of all
+        //# layers and their model, over all parameters, that Gauss-Newton steps lead to.
         #[test]
         fn the_minimum_is_found_from_within_two_fifths_of_a_stripe(
             distance in 0.12..0.5f64, polar in -1.0..1.0f64, left in -0.28..0.28f64, right in -0.28..0.28f64, bend in -0.1..0.1f64,
@@ -656,6 +722,98 @@ mod tests {
         }
     }
 
+    /// From black to white: before anything is fitted a layer is taken to be evenly lit and its gain to be all of its contrast.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-7** The start MUST be the given `(a, s, k)`, σ = 1/2, and for each layer the largest value of its window
+    //# as `o`, the smallest less the largest as `g`, and 0 as `o'` and `g'`.
+    #[test]
+    fn a_layer_s_light_starts_at_its_extremes() {
+        let mut sight = sight((0.25, 0.05, PI + 0.3), Light::default(), CLEAR);
+        let middle = usize::midpoint(sight.ends.0, sight.ends.1);
+        (sight.lines[0][middle], sight.lines[0][middle + 1]) = (7, 251);
+        // Outside of the window.
+        (sight.lines[0][0], sight.lines[0][479]) = (0, 255);
+        let layer = sight.layers()[0];
+        let light = first_light(&layer, &Window::of(layer.first_pixel, layer.last_pixel, Format::Paper, 480));
+        let even = LayerLight { offset: 251.0, gain: -244.0, offset_slope: 0.0, gain_slope: 0.0, step: None };
+        assert_eq!((light, START_BLUR.to_bits()), (even, 0.5_f64.to_bits()));
+    }
+
+    /// Sharper and more blurred images than a fit may have: it stays at the limit, and the edges are where they are.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-10** A step that would take σ out of 0.2 to 1.2 px MUST, before FIT-9, be the one that takes it to that
+    //# limit and solves the equations for `a`, `s` and `k` there.
+    #[test]
+    fn the_blur_stays_within_its_limits() {
+        for (blur, limit) in [(0.05, 0.2), (1.6, 1.2)] {
+            let sight = sight((0.2, 0.02, PI + 0.2), Light::default(), Sensor { blur, noise: 0.5 });
+            let fitted = sight.fit(sight.truth, Illumination::Even).unwrap();
+            assert!((fitted.imaging.blur - limit).abs() < 1e-12, "{blur}: {}", fitted.imaging.blur);
+            assert!(sight.error(&fitted) < 0.05, "{blur}: {}", sight.error(&fitted));
+        }
+    }
+
+    /// TRELLIS-10: gains of -60 allow 9 squared grey levels and 3600/9, 3600/16 and 3600/64 of them in the second, the third and
+    /// the fifth step; a mean gain above -12 gives up in every step.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-10** The guard fit MUST be refused if in the equations of its second, third or fifth step `s²` is
+    //# more than `9 + ḡ²/9`, `9 + ḡ²/16` or `9 + ḡ²/64`, `ḡ` being the mean of the gains that these equations start
+    //# from, or if in one of its steps `ḡ` is above -12.
+    #[test]
+    fn guard_fits_are_given_up_early() {
+        let go_on = |step: usize, variance: f64, gains: [f64; 2]| {
+            let lights =
+                gains.map(|gain| LayerLight { offset: 200.0, gain, offset_slope: 0.0, gain_slope: 0.0, step: None });
+            promises(step, variance, &lights)
+        };
+        for (step, limit) in [(2, 409.0), (3, 234.0), (5, 65.25)] {
+            assert!(go_on(step, limit, [-50.0, -70.0]) && !go_on(step, limit + 0.001, [-50.0, -70.0]), "{step}");
+        }
+        assert!(go_on(1, 1e6, [-60.0; 2]) && go_on(4, 1e6, [-60.0; 2]));
+        for step in 1..=5 {
+            assert!(go_on(step, 0.0, [-4.0, -20.0]) && !go_on(step, 0.0, [-3.9, -20.0]), "{step}");
+        }
+    }
+
+    /// FIT-9: of equations whose solution is their right side, which is shortened as a whole by what is too far first.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-9** A step MUST be shortened as a whole until `|Δa|` and `|Δs|` are at most 1 px, `|Δk|` at most 0.1 and
+    //# `|Δσ|` at most 0.2 px, before the layers' own steps follow from it.
+    #[test]
+    fn steps_are_shortened_as_a_whole() {
+        let taken = |right: [f64; 4]| {
+            let (back, right) = (Vec::new(), Vector4::from(right));
+            let matrix = Matrix4::identity();
+            step(&Reduced { matrix, right, back, squares: 0.0, own_decrease: 0.0, pixels: 0 }, 0.6).unwrap().common
+        };
+        let near = |right: [f64; 4], expected: [f64; 4]| (taken(right) - Vector4::from(expected)).amax() < 1e-12;
+        assert!(near([0.9, -0.9, 0.09, 0.19], [0.9, -0.9, 0.09, 0.19]));
+        assert!(near([-4.0, 2.0, 0.2, 0.4], [-1.0, 0.5, 0.05, 0.1]));
+        assert!(near([1.0, -2.0, 0.0, 0.0], [0.5, -1.0, 0.0, 0.0]));
+        assert!(near([1.0, 0.0, -0.4, 0.0], [0.25, 0.0, -0.1, 0.0]));
+        assert!(near([1.0, 0.0, 0.0, -0.4], [0.5, 0.0, 0.0, -0.2]));
+    }
+
+    /// FIT-11: the share of what may still be gained, with `s²` of 1.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-11** With `s² = max(SSE/(n - p), 1/4)`, n pixels, `p = 4 + 4` per layer, the fit MUST have converged
+    //# when a step, before it is shortened, lowers the sum of squares of the linearised model by at most `s²/225`, or
+    //# under a step of light by at most `s²/16` with the layers' own parameters alone and by at most `s²/225` more with
+    //# the others; that step is the last one.
+    #[test]
+    fn a_fit_has_converged_when_little_is_left_to_gain() {
+        let converged = |own: f64, common: f64, light| share_of_limit(own, common, light) <= 1.0;
+        let (even, step) = (Illumination::Even, Illumination::Step);
+        assert!(converged(1.0 / 450.0, 0.999 / 450.0, even) && !converged(1.0 / 450.0, 1.001 / 450.0, even));
+        assert!(converged(0.999 / 16.0, 0.999 / 225.0, step));
+        assert!(!converged(1.001 / 16.0, 0.0, step) && !converged(0.0, 1.001 / 225.0, step));
+    }
+
     #[test]
     fn one_layer_is_enough() {
         let sight = sight((0.25, 0.05, PI + 0.3), Light::default(), CLEAR);
@@ -670,6 +828,13 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-2** The model of pixel `i` MUST be `o + g c_i + λ_i (o' + g' c_i)` with its ink `c_i` (EDGE-2).
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-3** Under even light `λ_i` MUST be `(2 i - l - r)/(r - l)`, with `l` and `r` the window's first and last
+    //# pixel.
     #[test]
     fn a_gradient_of_the_light_does_not_move_the_estimate() {
         let light = Light { gradient: 0.8, exposure: 0.8, ..Light::default() };
@@ -682,6 +847,16 @@ mod tests {
         assert!((light.gain_slope / light.gain - 0.8 * 52.0 / 480.0).abs() < 0.01, "{light:?}");
     }
 
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-4** Under a step of light `λ_i` MUST be -1 to the left and 1 to the right of the pixel `m` of the
+    //# layer's step, which is left out.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-15** The pixel `m` of a layer's step of light MUST be the one for which the model without λ, fitted to
+    //# either side of it alone, leaves the smallest sum of squares, `c_i` being those of the start, `g` of either side
+    //# being drawn towards its start by adding `(g - g_0)²/16` to the sum; the left-most of equals, among those with at
+    //# least one pixel of the window on either side.
     #[test]
     fn a_step_of_the_light_is_found_and_explained() {
         let patch = Some(Patch { left: f64::NEG_INFINITY, right: 228.3, factor: 1.0 / 3.0 });
@@ -703,6 +878,18 @@ mod tests {
         assert_eq!(fitted.degrees_of_freedom + 12, 2 * (sight.ends.1 - sight.ends.0 + 1 + 8));
     }
 
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-5** Pixels of the value 0 or 255 MUST be left out, since RENDER-5 limits them.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that
+    //# are not left out all lie within less than 12 grey levels.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations
+    //# are not positive definite, or if a step leads to `|k| > 3/4`, to `s < N/4`, to columns that do not grow, `s <= a
+    //# k`, or to a light of `|o| + |o'|` or `|g| + |g'|` above 511 grey levels.
     #[test]
     fn what_cannot_be_fitted_is_refused() {
         let mut sight = sight((0.3, 0.0, PI), Light::default(), CLEAR);
@@ -717,6 +904,10 @@ mod tests {
         assert_eq!(sight.fit(truth, Illumination::Even), Err(FitRefusal::TooFewPixels));
     }
 
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-1** The window of a layer MUST be the pixels from `first - P` to `last + P` within the line, with `P =
+    //# min(4, floor(2 e/N))` and `e` the ROI's extent.
     #[test]
     fn windows_reach_two_stripes_and_at_most_four_pixels_beyond() {
         let window = |first, last| {

@@ -19,10 +19,15 @@ use nalgebra::{Isometry2, Point2, Vector2};
 pub struct World;
 
 /// Landmark frame L: origin at the barcode's centre, x out of the wall, y to the right as seen.
+//= reference/SPEC.md#frame
+//# - **FRAME-2** The landmark frame L MUST have its origin at the barcode's centre, x out of the wall and y to the
+//# right as a robot sees it that looks at the wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landmark;
 
 /// Camera frame C: x along the optical axis, y to the left.
+//= reference/SPEC.md#frame
+//# - **FRAME-3** The camera frame C and the robot frame R MUST have x forward and y left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera;
 
@@ -31,6 +36,9 @@ pub struct Camera;
 pub struct Robot;
 
 /// The pose of frame `Child` in frame `Parent`, in metres and radians.
+//= reference/SPEC.md#frame
+//# - **FRAME-1** Every frame MUST be planar and right-handed, in metres and radians, with angles counter-clockwise seen
+//# from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<Parent, Child> {
     isometry: Isometry2<f64>,
@@ -57,6 +65,8 @@ impl<Parent, Child> Pose<Parent, Child> {
     }
 
     /// The child's rotation in the parent, in (-π, π] radians (FRAME-5).
+    //= reference/SPEC.md#frame
+    //# - **FRAME-5** An angle that a pose reports MUST lie in (-π, π].
     #[must_use]
     pub fn theta(&self) -> f64 {
         wrap(self.isometry.rotation.angle())
@@ -79,6 +89,9 @@ impl<Parent, Child> Pose<Parent, Child> {
 impl<A, B, C> Mul<Pose<B, C>> for Pose<A, B> {
     type Output = Pose<A, C>;
 
+    //= reference/SPEC.md#frame
+    //# - **FRAME-4** A pose of frame B in frame A MUST carry both frames in its type, so that composing poses whose
+    //# inner frames differ does not compile.
     fn mul(self, inner: Pose<B, C>) -> Pose<A, C> {
         Pose { isometry: self.isometry * inner.isometry, frames: PhantomData }
     }
@@ -115,6 +128,10 @@ mod tests {
     use super::*;
     use core::f64::consts::{FRAC_PI_2, PI};
 
+    //= reference/SPEC.md#frame
+    //= type=test
+    //# - **FRAME-1** Every frame MUST be planar and right-handed, in metres and radians, with angles counter-clockwise
+    //# seen from above.
     #[test]
     fn poses_compose_as_rigid_transforms() {
         // A landmark at (2, 1) that faces along world y, a camera 0.5 m in front of it that looks at it.
@@ -128,6 +145,9 @@ mod tests {
         assert!((right_end.x - 0.5).abs() < 1e-15 && (right_end.y + 0.015).abs() < 1e-15);
     }
 
+    //= reference/SPEC.md#frame
+    //= type=test
+    //# - **FRAME-5** An angle that a pose reports MUST lie in (-π, π].
     #[test]
     fn angles_wrap_into_the_half_open_interval() {
         assert!((wrap(PI) - PI).abs() < 1e-15 && (wrap(-PI) - PI).abs() < 1e-15);

@@ -39,6 +39,9 @@ pub struct Codes {
 }
 
 /// Bits of x, of y, and of the heading (GRID-1).
+//= reference/SPEC.md#grid
+//# - **GRID-1** A pose's payload MUST be the codes of x, y and heading, in this order, most significant first, of 6, 6
+//# and 4 bits in `paper` and 10, 10 and 4 bits in `wide`.
 #[must_use]
 pub fn field_bits(format: Format) -> [u32; 3] {
     match format {
@@ -75,6 +78,9 @@ impl core::error::Error for GridRefusal {}
 
 impl Grid {
     /// Headings in a turn for a format (GRID-3).
+    //= reference/SPEC.md#grid
+    //# - **GRID-3** The code `c` of the heading MUST stand for `c` equal parts of a turn, of which the grid has at most
+    //# and by default `2^bits`.
     #[must_use]
     pub fn headings(&self, format: Format) -> u32 {
         let all = 1 << field_bits(format)[2];
@@ -82,6 +88,8 @@ impl Grid {
     }
 
     /// The pose of codes in the world (GRID-2, GRID-3).
+    //= reference/SPEC.md#grid
+    //# - **GRID-2** The code `c` of a coordinate MUST stand for the origin plus `c` steps, by default 50 mm from 0.
     #[must_use]
     pub fn pose(&self, format: Format, codes: Codes) -> Pose<World, Landmark> {
         let heading = f64::from(codes.theta) * TAU / f64::from(self.headings(format));
@@ -93,6 +101,10 @@ impl Grid {
     }
 
     /// The codes of a pose (GRID-4, GRID-5).
+    //= reference/SPEC.md#grid
+    //# - **GRID-4** A pose that is more than 1/1000 of a step from the grid's nearest MUST be refused (`OffGrid`).
+    //= reference/SPEC.md#grid
+    //# - **GRID-5** A pose whose codes do not fit their fields MUST be refused (`Outside`).
     pub fn codes(&self, format: Format, pose: &Pose<World, Landmark>) -> Result<Codes, GridRefusal> {
         let [x_bits, y_bits, _] = field_bits(format);
         let x = code(pose.x() - self.origin[0], self.step[0], x_bits)?;
@@ -119,6 +131,9 @@ impl Grid {
     }
 
     /// The landmark's pose that a payload stands for (GRID-1, GRID-6).
+    //= reference/SPEC.md#grid
+    //# - **GRID-6** A payload whose code of the heading is not below the number of headings MUST be refused
+    //# (`Heading`).
     pub fn landmark_in_world(&self, format: Format, payload: u32) -> Result<Pose<World, Landmark>, GridRefusal> {
         let codes = split(format, payload);
         if codes.theta >= self.headings(format) { Err(GridRefusal::Heading) } else { Ok(self.pose(format, codes)) }
@@ -172,6 +187,13 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#grid
+    //= type=test
+    //# - **GRID-1** A pose's payload MUST be the codes of x, y and heading, in this order, most significant first, of
+    //# 6, 6 and 4 bits in `paper` and 10, 10 and 4 bits in `wide`.
+    //= reference/SPEC.md#grid
+    //= type=test
+    //# - **GRID-2** The code `c` of a coordinate MUST stand for the origin plus `c` steps, by default 50 mm from 0.
     #[test]
     fn fields_are_x_y_heading() {
         // 3 steps of x, 5 of y, a quarter turn: 000011 000101 0100.
@@ -180,6 +202,14 @@ mod tests {
         assert_eq!(Grid::default().payload(Format::Wide, &pose), Ok(0b0000_0000_1100_0000_0101_0100));
     }
 
+    //= reference/SPEC.md#grid
+    //= type=test
+    //# - **GRID-3** The code `c` of the heading MUST stand for `c` equal parts of a turn, of which the grid has at most
+    //# and by default `2^bits`.
+    //= reference/SPEC.md#grid
+    //= type=test
+    //# - **GRID-6** A payload whose code of the heading is not below the number of headings MUST be refused
+    //# (`Heading`).
     #[test]
     fn twelve_headings_refuse_the_other_four_codes() {
         let grid = Grid { theta_steps: Some(12), ..Grid::default() };
@@ -188,6 +218,12 @@ mod tests {
         assert_eq!(grid.landmark_in_world(Format::Paper, 0b0000_1100_0101_1100), Err(GridRefusal::Heading));
     }
 
+    //= reference/SPEC.md#grid
+    //= type=test
+    //# - **GRID-4** A pose that is more than 1/1000 of a step from the grid's nearest MUST be refused (`OffGrid`).
+    //= reference/SPEC.md#grid
+    //= type=test
+    //# - **GRID-5** A pose whose codes do not fit their fields MUST be refused (`Outside`).
     #[test]
     fn poses_beside_the_grid_are_refused() {
         let payload = |x, y, theta| Grid::default().payload(Format::Paper, &Pose::new(x, y, theta));

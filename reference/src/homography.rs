@@ -35,6 +35,11 @@ impl Homography {
     }
 
     /// HOMOG-3; a `|k|` within `error` of the limit counts as on it (HOMOG-5).
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-3** A homography MUST be refused (`Implausible`) unless `s > 0` and `|k| <= 1/2`.
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-5** A pipeline whose arithmetic is not exact MUST treat a `|k|` within its declared error of 1/2 as on
+    //# it.
     #[must_use]
     pub fn is_plausible(&self, error: f64) -> bool {
         self.s > 0.0 && self.k.abs() <= MAX_OBLIQUITY + error
@@ -47,6 +52,9 @@ impl Homography {
     }
 
     /// The same map with columns counted from a point `origin` px to the left (HOMOG-4).
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-4** The homography that a layer reports MUST be relative to the principal column, `a' = a + δ`, `s' =
+    //# s + δ k` with `δ` the ROI's middle minus `o_x`.
     #[must_use]
     pub fn shifted(&self, origin: f64) -> Self {
         Self { a: self.a + origin, s: self.s + origin * self.k, k: self.k }
@@ -65,6 +73,8 @@ impl Homography {
     }
 
     /// MERGE-4
+    //= reference/SPEC.md#merge
+    //# - **MERGE-4** The merged homography MUST be the mean of the two layers' `a`, `s` and `k`.
     #[must_use]
     pub fn mean(&self, other: &Self) -> Self {
         Self { a: f64::midpoint(self.a, other.a), s: f64::midpoint(self.s, other.s), k: f64::midpoint(self.k, other.k) }
@@ -109,6 +119,8 @@ impl Fit {
     }
 
     /// The homography relative to the ROI's middle (HOMOG-1), `None` if the transitions do not determine one.
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-1** The homography MUST be the one that minimises `Σ (a + s t - k t z - z)²` over its transitions.
     #[must_use]
     pub fn solve(&self) -> Option<Homography> {
         let solution = self.normal.cholesky()?.solve(&self.right);
@@ -123,6 +135,9 @@ mod tests {
 
     proptest! {
         /// Columns that a homography made are explained by it, up to their rounding to 1/32 px.
+        //= reference/SPEC.md#homog
+        //= type=test
+        //# - **HOMOG-1** The homography MUST be the one that minimises `Σ (a + s t - k t z - z)²` over its transitions.
         #[test]
         fn a_fit_recovers_the_homography(a in -3.0..3.0f64, s in 20.0..28.0f64, k in -0.3..0.3f64) {
             let truth = Homography { a, s, k };
@@ -140,6 +155,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#homog
+    //= type=test
+    //# - **HOMOG-4** The homography that a layer reports MUST be relative to the principal column, `a' = a + δ`, `s' =
+    //# s + δ k` with `δ` the ROI's middle minus `o_x`.
     #[test]
     fn shifting_the_origin_moves_columns_and_nothing_else() {
         let h = Homography { a: 3.0, s: 25.0, k: 0.2 };
@@ -155,6 +174,13 @@ mod tests {
         assert!((margin(-0.01, 0.2) - 0.01).abs() < 1e-15);
     }
 
+    //= reference/SPEC.md#homog
+    //= type=test
+    //# - **HOMOG-3** A homography MUST be refused (`Implausible`) unless `s > 0` and `|k| <= 1/2`.
+    //= reference/SPEC.md#homog
+    //= type=test
+    //# - **HOMOG-5** A pipeline whose arithmetic is not exact MUST treat a `|k|` within its declared error of 1/2 as on
+    //# it.
     #[test]
     fn limits_belong_to_the_plausible() {
         let with = |s, k| Homography { a: 0.0, s, k }.is_plausible(0.0);
@@ -162,5 +188,8 @@ mod tests {
         assert!(
             !with(0.0, 0.0) && !with(-1.0, 0.0) && !with(1.0, 0.501) && !with(1.0, f64::NAN) && !with(f64::NAN, 0.0)
         );
+        // What is not farther from the limit than arithmetic may have taken it is on it.
+        let within = |k| Homography { a: 0.0, s: 1.0, k }.is_plausible(1e-8);
+        assert!(within(0.5 + 0.9e-8) && within(-0.5 - 0.9e-8) && !within(0.5 + 1.1e-8) && !within(-0.5 - 1.1e-8));
     }
 }

@@ -29,6 +29,12 @@ pub struct Measurement {
 }
 
 /// The measurements of a detection in two lines of the camera (LAYER-1 to LAYER-4).
+//= reference/SPEC.md#layer
+//# - **LAYER-3** A layer's measurement MUST be its `(a, s, k)` with the covariance of its own fit, at its row's time
+//# (EXPOSE-1).
+//= reference/SPEC.md#layer
+//# - **LAYER-4** A detection with a fit of which no layer gives a measurement MUST give one, the detection's own, and a
+//# detection without a fit its pose with COV-5's covariance, both at the upper row's time (SKEW-8).
 #[must_use]
 pub fn layers(lines: [&[u8]; 2], camera: &Camera, detection: &Detection) -> Vec<Measurement> {
     let Some(accepted) = &detection.fit else {
@@ -62,6 +68,13 @@ fn illumination(fitted: &Fitted) -> Illumination {
 }
 
 /// The fit of one layer from that of both (LAYER-1) if it can be used (LAYER-2).
+//= reference/SPEC.md#layer
+//# - **LAYER-1** Each layer of a detection with a fit MUST be fitted alone (FIT, with one layer), from that fit's `(a,
+//# s, k, σ)` under the light, even or a step, that the fit was made under; of a moving camera these are the fits of
+//# SKEW-7.
+//= reference/SPEC.md#layer
+//# - **LAYER-2** A layer whose own fit is refused, or whose `s²` is above ACCEPT-6's `v` of the detection's decoder
+//# with its own gain, or which COV-4 calls undetermined, MUST give no measurement.
 fn alone(line: &[u8], reading: &Reading, together: &Fitted, camera: &Camera, detection: &Detection) -> Option<Fitted> {
     let stripes = stripes(detection.format, reading.half_word);
     let (first_pixel, last_pixel) = (reading.first_pixel, reading.last_pixel);
@@ -121,6 +134,16 @@ mod tests {
 
     /// A robot that drives at 5 cm/s and turns at 0.1 rad/s: 13 mm and 26 mrad between both rows. Either layer is where its own
     /// row saw it: a chi-square of three on the average, 300 of them to a tenth.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-7** The layers of a moving camera MUST each be fitted alone from their own homography as ACCEPT-1 says,
+    //# the fit of each be asked ACCEPT-3 to ACCEPT-9 and ACCEPT-12 to ACCEPT-17 alone, the upper one first, and both
+    //# together ACCEPT-4's ratio of the gains before that; where either has no fit, ACCEPT-10 decides.
+    //= reference/SPEC.md#layer
+    //= type=test
+    //# - **LAYER-1** Each layer of a detection with a fit MUST be fitted alone (FIT, with one layer), from that fit's
+    //# `(a, s, k, σ)` under the light, even or a step, that the fit was made under; of a moving camera these are the
+    //# fits of SKEW-7.
     #[test]
     fn each_layer_is_measured_where_its_own_row_saw_it() {
         let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -153,6 +176,11 @@ mod tests {
     }
 
     /// 15 cm away the barcode grows by 9 % between the rows, 5.5 px at either end.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-8** What a detection of a moving camera says MUST be what is seen at the upper row's time: by the upper
+    //# layer's fit, or without a fit by MERGE-4's mean of `s` and `k`, the lower layer's less the shift, and the upper
+    //# layer's `a`.
     #[test]
     fn near_the_wall_the_layers_belong_together_only_by_the_motion() {
         let upper = Pose::new(0.15, 0.0, PI);
@@ -175,6 +203,14 @@ mod tests {
     }
 
     /// A detection without a fit gives its pose (LAYER-4), and one of which a layer is not there gives the other.
+    //= reference/SPEC.md#layer
+    //= type=test
+    //# - **LAYER-2** A layer whose own fit is refused, or whose `s²` is above ACCEPT-6's `v` of the detection's decoder
+    //# with its own gain, or which COV-4 calls undetermined, MUST give no measurement.
+    //= reference/SPEC.md#layer
+    //= type=test
+    //# - **LAYER-4** A detection with a fit of which no layer gives a measurement MUST give one, the detection's own,
+    //# and a detection without a fit its pose with COV-5's covariance, both at the upper row's time (SKEW-8).
     #[test]
     fn what_cannot_be_fitted_gives_what_is_left() {
         let pose = Pose::new(0.3, 0.01, PI);

@@ -87,6 +87,10 @@ pub struct Localizer {
 
 impl Setup {
     /// Where transitions lie: by the paper's estimator at whole pixels (LOCATE-5).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-5** By the paper's estimator, transitions MUST be placed by CROSS-1's whole-pixel rule, and each
+    //# detection that a threshold decoded give one pose instead, the merged homography's (MERGE-4), with COV-5's
+    //# covariance, at the upper row's time, and the others none.
     fn crossing_rule(&self) -> CrossingRule {
         if self.observe == Observe::Paper { CrossingRule::WholePixel } else { self.rule }
     }
@@ -130,6 +134,8 @@ impl Localizer {
     }
 
     /// An image was taken: its two scan lines and when (LOCATE-1 to LOCATE-6).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-2** A detection of which the site knows no pose MUST be left out and counted (`unknown`).
     pub fn image<O: Observer>(
         &mut self,
         lines: [&[u8]; 2],
@@ -168,6 +174,10 @@ impl Localizer {
     }
 
     /// The robot was seen in a landmark's frame by somebody else, who tells landmarks apart by a number (LOCATE-7).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-7** An observation of the robot's pose in a landmark's frame that comes from elsewhere MUST be taken
+    //# as a pose (OBSERVE-2) of a camera in the robot's own place, of a new image if the last one that came from
+    //# elsewhere was of another time, its landmark told apart by a number that it comes with.
     pub fn observe_pose(
         &mut self,
         time: Time,
@@ -197,6 +207,12 @@ impl Localizer {
     }
 
     /// What a detection of a known landmark says (LAYER, LOCATE-3 to LOCATE-5).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-3** The measurements of an image (LAYER) MUST be given to the timeline in the order of their times,
+    //# the image's number being that of its arrival.
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-4** A filter that is given poses MUST be given OBSERVE-2's of the transform (COV-2, COV-3) of each
+    //# measurement.
     fn observations(
         &self,
         lines: [&[u8]; 2],
@@ -300,6 +316,14 @@ mod tests {
         [(pose.x() - truth().x()).hypot(pose.y() - truth().y()), (pose.theta() - truth().theta()).abs()]
     }
 
+    //= reference/SPEC.md#layer
+    //= type=test
+    //# - **LAYER-3** A layer's measurement MUST be its `(a, s, k)` with the covariance of its own fit, at its row's
+    //# time (EXPOSE-1).
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-3** The measurements of an image (LAYER) MUST be given to the timeline in the order of their times,
+    //# the image's number being that of its arrival.
     #[test]
     fn both_layers_of_a_landmark_correct_the_pose() {
         let (localizer, sights) = seen(setup(Observe::Image), payload());
@@ -311,6 +335,19 @@ mod tests {
         assert!(position < 0.0025 && heading < 0.008, "{position} {heading}");
     }
 
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-4** A filter that is given poses MUST be given OBSERVE-2's of the transform (COV-2, COV-3) of each
+    //# measurement.
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-5** By the paper's estimator, transitions MUST be placed by CROSS-1's whole-pixel rule, and each
+    //# detection that a threshold decoded give one pose instead, the merged homography's (MERGE-4), with COV-5's
+    //# covariance, at the upper row's time, and the others none.
+    //= reference/SPEC.md#errata
+    //= type=test
+    //# - **ERRATA-11** The image's time stamp MUST be the paper's, the middle of its processing, only in what
+    //# reproduces the paper.
     #[test]
     fn poses_and_the_paper_s_estimate_correct_it_too() {
         let (localizer, _) = seen(setup(Observe::Pose), payload());
@@ -323,6 +360,9 @@ mod tests {
         assert!(error(&localizer)[0] < 0.006);
     }
 
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-2** A detection of which the site knows no pose MUST be left out and counted (`unknown`).
     #[test]
     fn what_the_site_does_not_know_is_left_out_and_counted() {
         let twelve = Places::Grid(Grid { theta_steps: Some(12), ..Grid::default() });
@@ -341,6 +381,11 @@ mod tests {
     }
 
     /// Two poses of one time are of one image, and do not confirm each other (LOCATE-7, FILTER-7).
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-7** An observation of the robot's pose in a landmark's frame that comes from elsewhere MUST be taken
+    //# as a pose (OBSERVE-2) of a camera in the robot's own place, of a new image if the last one that came from
+    //# elsewhere was of another time, its landmark told apart by a number that it comes with.
     #[test]
     fn poses_from_elsewhere_at_one_time_are_of_one_image() {
         let mut localizer = Localizer::new(setup(Observe::Image), start(), Time::default());

@@ -115,6 +115,12 @@ struct Candidate {
 
 impl Candidate {
     /// MERGE-9, MERGE-10
+    //= reference/SPEC.md#merge
+    //# - **MERGE-9** A candidate MUST become a detection if ACCEPT accepts it, and otherwise be refused by the first of
+    //# ACCEPT's reasons.
+    //= reference/SPEC.md#merge
+    //# - **MERGE-10** A line pair MUST give at most 8 detections before MERGE-7, and what comes after them be refused
+    //# (`TooMany`).
     fn conclude<O: Observer>(
         self,
         result: Result<Accepted, CandidateRefusal>,
@@ -146,6 +152,13 @@ impl Candidate {
 }
 
 /// MERGE-1, with the shifts of the upper layer's ends and the play of a moving camera (SKEW-6).
+//= reference/SPEC.md#merge
+//# - **MERGE-1** An upper and a lower layer MUST be paired where their ROIs' first pixels differ by at most 3 px and
+//# their last pixels by at most 3 px.
+//= reference/SPEC.md#skew
+//# - **SKEW-6** In MERGE-1 the lower layer's ends MUST be compared with the upper one's ends plus the shifts of the
+//# upper layer's homography, `T` px added to the 3 px, and in ACCEPT-2 the lower layer's `(a, s, k)` count less the
+//# shift of the upper layer's, `T` px added to the limit of `a`.
 #[must_use]
 pub fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer, ends: &Ends, play: u32) -> bool {
     let of = |layer: &DecodedLayer| (layer.hypothesis.first_pixel, layer.hypothesis.last_pixel);
@@ -155,6 +168,12 @@ pub fn belong_together(upper: &DecodedLayer, lower: &DecodedLayer, ends: &Ends, 
 /// Pairs the layers of one format, which come in the order of MERGE-6, and adds what they say to the
 /// detections, in the order of the upper layers and then of the lower ones (MERGE-5). The result is the number of pairs
 /// that were decided again (TRELLIS-9).
+//= reference/SPEC.md#merge
+//# - **MERGE-5** Pairs MUST be formed in the order of the upper layers, and for one upper layer in the order of the
+//# lower ones.
+//= reference/SPEC.md#merge
+//# - **MERGE-6** Layers MUST be ordered as their seeds were taken, those of the global threshold before those of the
+//# local one.
 pub fn merge<O: Observer>(
     upper: &[DecodedLayer],
     lower: &[DecodedLayer],
@@ -167,6 +186,10 @@ pub fn merge<O: Observer>(
     for one in upper {
         let Some(ends) = view.ends(&one.homography) else { continue };
         for other in lower.iter().filter(|other| belong_together(one, other, &ends, view.skew.play())) {
+            //= reference/SPEC.md#merge
+            //# - **MERGE-2** A pair MUST give the code word of CODE-4.
+            //= reference/SPEC.md#merge
+            //# - **MERGE-3** A pair MUST be refused by CODE-7 before CODE-8 is asked.
             // MERGE-2, MERGE-3
             let result = codeword::decode(format, one.half_word, other.half_word);
             let (upper, lower) = (Reading::of_layer(one), Reading::of_layer(other));
@@ -197,6 +220,9 @@ fn shadowed(layers: [&DecodedLayer; 2]) -> bool {
 }
 
 /// A pair of extents or of ROIs whose half words have settled, or why they have not (TRELLIS-8).
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-8** The half words MUST be checked as those of two decoded layers (MERGE-2, MERGE-3) when they have
+//# settled.
 pub fn conclude_settled<O: Observer>(
     pair: &Pair,
     settled: Result<Settled, CandidateRefusal>,
@@ -228,6 +254,8 @@ pub fn conclude_settled<O: Observer>(
 
 /// Pairs the extents of both lines and adds what they say to the detections (EXTENT-4 to EXTENT-7, TRELLIS-8), after
 /// `tried` other pairs.
+//= reference/SPEC.md#extent
+//# - **EXTENT-7** Of each format at most 4 pairs MUST be tried, those of TRELLIS-9 first.
 pub fn merge_extents<O: Observer>(
     upper: &[Extent],
     lower: &[Extent],
@@ -237,11 +265,16 @@ pub fn merge_extents<O: Observer>(
     observer: &mut O,
 ) {
     let format = view.landmark.format;
+    //= reference/SPEC.md#skew
+    //# - **SKEW-9** Of a moving camera TRELLIS MUST NOT be asked.
     // SKEW-9
     if view.skew.moves() {
         return;
     }
     for pair in extents(upper, lower) {
+        //= reference/SPEC.md#extent
+        //# - **EXTENT-5** A pair of which an extent shares a pixel with the same line's ROI or extent of a detection of
+        //# any format MUST be left out.
         // EXTENT-5
         let taken = |found: &Detection| {
             found.upper.shares_a_pixel_with(pair[0].first, pair[0].last)
@@ -261,6 +294,12 @@ pub fn merge_extents<O: Observer>(
 }
 
 /// What is left when the detections that contradict each other are withdrawn, all of them (MERGE-7, MERGE-8).
+//= reference/SPEC.md#merge
+//# - **MERGE-7** Detections of different formats whose upper ROIs share a pixel MUST be refused, all of them
+//# (`Ambiguous`).
+//= reference/SPEC.md#merge
+//# - **MERGE-8** Each format MUST report its detections in the order of MERGE-5, those of TRELLIS after them, and the
+//# formats in the order in which they were asked for.
 pub fn withdraw_ambiguous<O: Observer>(detections: &[Detection], observer: &mut O) -> Vec<Detection> {
     let mut kept = Vec::new();
     for detection in detections {
@@ -296,12 +335,26 @@ mod tests {
         DecodedLayer { thresholding: Thresholding::Global, hypothesis, half_word, homography }
     }
 
+    //= reference/SPEC.md#merge
+    //= type=test
+    //# - **MERGE-1** An upper and a lower layer MUST be paired where their ROIs' first pixels differ by at most 3 px
+    //# and their last pixels by at most 3 px.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-6** In MERGE-1 the lower layer's ends MUST be compared with the upper one's ends plus the shifts of the
+    //# upper layer's homography, `T` px added to the 3 px, and in ACCEPT-2 the lower layer's `(a, s, k)` count less the
+    //# shift of the upper layer's, `T` px added to the limit of `a`.
     #[test]
     fn both_ends_must_be_within_three_pixels() {
         let upper = layer(100, 160, 0);
         let near = |lower: &DecodedLayer| belong_together(&upper, lower, &Ends::default(), 0);
         assert!(near(&layer(103, 157, 0)) && near(&layer(97, 163, 0)));
         assert!(!near(&layer(104, 160, 0)) && !near(&layer(100, 156, 0)));
+        // Of a camera that has moved on so far that the ends lie 10 and 12 px to the right, known to 2 px.
+        let ends = Ends { first: 10, last: 12 };
+        let moving = |lower: &DecodedLayer| belong_together(&upper, lower, &ends, 2);
+        assert!(moving(&layer(115, 167, 0)) && moving(&layer(105, 177, 0)));
+        assert!(!moving(&layer(116, 172, 0)) && !moving(&layer(110, 178, 0)) && !moving(&layer(104, 172, 0)));
     }
 
     fn merged(upper: &DecodedLayer, lower: &DecodedLayer) -> Vec<Detection> {
@@ -314,6 +367,12 @@ mod tests {
         found
     }
 
+    //= reference/SPEC.md#merge
+    //= type=test
+    //# - **MERGE-2** A pair MUST give the code word of CODE-4.
+    //= reference/SPEC.md#merge
+    //= type=test
+    //# - **MERGE-4** The merged homography MUST be the mean of the two layers' `a`, `s` and `k`.
     #[test]
     fn a_pair_gives_payload_and_mean_homography() {
         let (upper, lower) = codeword::encode(Format::Paper, 0xcc0d).unwrap();
@@ -325,6 +384,33 @@ mod tests {
         assert!((a - 1.5).abs() < 1e-15 && (s - 21.0).abs() < 1e-14 && (k - 0.03).abs() < 1e-15);
         assert!(merged(&layer(100, 160, upper ^ 1), &second).is_empty());
         assert!(merged(&layer(104, 160, upper), &second).is_empty());
+    }
+
+    /// Eight landmarks side by side, and what comes after them.
+    //= reference/SPEC.md#merge
+    //= type=test
+    //# - **MERGE-10** A line pair MUST give at most 8 detections before MERGE-7, and what comes after them be refused
+    //# (`TooMany`).
+    #[test]
+    fn nine_detections_are_too_many() {
+        struct Refused(Vec<CandidateRefusal>);
+        impl Observer for Refused {
+            fn candidate_refused(&mut self, _: Format, _: Decoder, refusal: CandidateRefusal) {
+                self.0.push(refusal);
+            }
+        }
+        let (upper, lower) = codeword::encode(Format::Paper, 0xcc0d).unwrap();
+        let row = |count: usize, half_word: u32| -> Vec<DecodedLayer> {
+            (0..count).map(|i| layer(10 + 40 * i, 40 + 40 * i, half_word)).collect()
+        };
+        let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
+        let view =
+            View { lines: [&[255; 480]; 2], camera, landmark, rule: CrossingRule::WholePixel, skew: Skew::at_rest() };
+        for (count, refused) in [(8, vec![]), (9, vec![CandidateRefusal::TooMany])] {
+            let (mut found, mut heard) = (Vec::new(), Refused(Vec::new()));
+            merge(&row(count, upper), &row(count, lower), &view, &mut found, &mut heard);
+            assert_eq!((found.len(), heard.0), (8, refused), "{count}");
+        }
     }
 
     /// A detection of a format whose upper and lower ROIs are at the given pixels.
@@ -344,6 +430,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#merge
+    //= type=test
+    //# - **MERGE-7** Detections of different formats whose upper ROIs share a pixel MUST be refused, all of them
+    //# (`Ambiguous`).
     #[test]
     fn formats_that_share_a_pixel_of_the_upper_line_withdraw_each_other() {
         let paper = |upper, lower| detection(Format::Paper, upper, lower);

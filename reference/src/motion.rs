@@ -37,12 +37,20 @@ pub enum MotionModel {
 
 impl Drive {
     /// The e-puck's (MOTION-8).
+    //= reference/SPEC.md#motion
+    //# - **MOTION-6** The slip MUST by default be `q = 1e-6 m` with five states, 1 mm per root metre, and `3e-6 m` with
+    //# three, of which `e` and `g` are known to be 0 *(choice: what is not estimated is slip)*.
+    //= reference/SPEC.md#motion
+    //# - **MOTION-8** The e-puck's wheels MUST be 41 mm in diameter, 53 mm apart, with 1000 steps a turn.
     #[must_use]
     pub fn epuck() -> Self {
         Self { wheel_diameter: 0.041, axle: 0.053, steps_per_turn: 1000.0, slip: 1e-6, model: MotionModel::Arc }
     }
 
     /// The way of a wheel in a step, metres (MOTION-1).
+    //= reference/SPEC.md#motion
+    //# - **MOTION-1** The way of a wheel MUST be its steps times `u = π D/S`, with its nominal diameter D and S steps a
+    //# turn.
     #[must_use]
     pub fn step(&self) -> f64 {
         PI * self.wheel_diameter / self.steps_per_turn
@@ -80,6 +88,9 @@ struct Turned {
 }
 
 impl Turned {
+    //= reference/SPEC.md#motion
+    //# - **MOTION-2** With the ways `l` and `r` and the nominal axle `b`, the axle's middle MUST go `d = (l' + r')/2`
+    //# and turn by `φ = (r' - l')/(b (1 + g))`, `l' = l (1 - e/2)` and `r' = r (1 + e/2)`.
     fn of(ways: &Ways, drive: &Drive, state: &State) -> Self {
         let (e, g) = (state.wheel_difference, state.axle_excess);
         let axle = drive.axle * (1.0 + g);
@@ -119,6 +130,10 @@ struct Moved {
 
 impl Moved {
     fn of(turned: &Turned, heading: f64, model: MotionModel) -> Self {
+        //= reference/SPEC.md#motion
+        //# - **MOTION-3** The pose MUST move along an arc, by `d sin(φ/2)/(φ/2)` in the direction `θ + φ/2`.
+        //= reference/SPEC.md#motion
+        //# - **MOTION-4** In the paper's linear model the pose MUST move by `d` in the direction `θ`.
         // MOTION-4 is MOTION-3 without the turn of the chord and without its shortening.
         let (half, (chord, by_half)) = match model {
             MotionModel::Arc => (turned.turn / 2.0, sinc(turned.turn / 2.0)),
@@ -136,6 +151,9 @@ impl Moved {
 }
 
 /// The state and its covariance after the wheels' ways (MOTION-2 to MOTION-5).
+//= reference/SPEC.md#motion
+//# - **MOTION-5** The covariance MUST become `F P Fᵀ + G diag(q |l|, q |r|) Gᵀ`, with the derivatives F by the state
+//# and G by `l` and `r` of what was moved.
 #[must_use]
 pub fn predict(state: &State, covariance: &StateCovariance, ways: &Ways, drive: &Drive) -> (State, StateCovariance) {
     let turned = Turned::of(ways, drive, state);
@@ -160,6 +178,9 @@ fn arrive(state: &State, turned: &Turned, moved: &Moved) -> State {
 }
 
 /// The covariance of the pose that follows from how coarse a step is (MOTION-7), for a state after these ways.
+//= reference/SPEC.md#motion
+//# - **MOTION-7** At an observation the pose MUST count as uncertain by `G diag(u²/12, u²/12) Gᵀ` more, G at rest
+//# *(choice: a step that is not yet complete is an error of the reading that the next one does not inherit)*.
 #[must_use]
 pub fn step_noise(state: &State, drive: &Drive) -> StateCovariance {
     let still = Turned::of(&Ways::default(), drive, state);
@@ -211,10 +232,19 @@ mod tests {
         [state.pose.x(), state.pose.y(), state.pose.theta(), state.wheel_difference, state.axle_excess]
     }
 
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-1** The way of a wheel MUST be its steps times `u = π D/S`, with its nominal diameter D and S steps a
+    //# turn.
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-8** The e-puck's wheels MUST be 41 mm in diameter, 53 mm apart, with 1000 steps a turn.
     #[test]
     fn a_step_of_the_e_puck_is_an_eighth_of_a_millimetre() {
         // π 41 mm/1000.
         assert!((Drive::epuck().step() - 0.000_128_805).abs() < 1e-9);
+        // 1 mm per root metre.
+        assert!((Drive::epuck().slip.sqrt() - 1e-3).abs() < 1e-15);
     }
 
     #[test]
@@ -242,6 +272,9 @@ mod tests {
         assert!(numbers(&now).iter().all(|number| number.abs() < 1e-12), "{now:?}");
     }
 
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-4** In the paper's linear model the pose MUST move by `d` in the direction `θ`.
     #[test]
     fn the_paper_goes_straight_on_and_turns_then() {
         let drive = Drive { model: MotionModel::Linear, ..Drive::epuck() };
@@ -250,6 +283,10 @@ mod tests {
         assert!((after.pose.theta() - PI / 2.0 - 0.01 / 0.053).abs() < 1e-14);
     }
 
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-7** At an observation the pose MUST count as uncertain by `G diag(u²/12, u²/12) Gᵀ` more, G at rest
+    //# *(choice: a step that is not yet complete is an error of the reading that the next one does not inherit)*.
     #[test]
     fn a_coarse_step_is_uncertain_along_the_heading_and_in_it() {
         let noise = step_noise(&state(0.0, 0.0, PI / 2.0, 0.0, 0.0), &Drive::epuck());
@@ -261,6 +298,9 @@ mod tests {
 
     proptest! {
         /// The arc is what many short straight ways come to.
+        //= reference/SPEC.md#motion
+        //= type=test
+        //# - **MOTION-3** The pose MUST move along an arc, by `d sin(φ/2)/(φ/2)` in the direction `θ + φ/2`.
         #[test]
         fn the_arc_is_the_limit_of_short_ways(
             theta in -3.0..3.0f64, left in -0.02..0.02f64, right in -0.02..0.02f64, e in -0.01..0.01f64, g in -0.02..0.02f64,
@@ -279,6 +319,10 @@ mod tests {
         }
 
         /// The covariance is carried by the derivatives: against differences, for both models.
+        //= reference/SPEC.md#motion
+        //= type=test
+        //# - **MOTION-5** The covariance MUST become `F P Fᵀ + G diag(q |l|, q |r|) Gᵀ`, with the derivatives F by the
+        //# state and G by `l` and `r` of what was moved.
         #[test]
         fn derivatives_are_those_of_the_motion(
             theta in -3.0..3.0f64, left in -0.02..0.02f64, right in -0.02..0.02f64, linear in any::<bool>(),

@@ -14,6 +14,10 @@ pub const FLOOR: [f64; 3] = [0.1, 0.05, 5e-4];
 /// How far in front of the camera a barcode's centre is at least, metres (FILTER-4).
 pub const NEAREST: f64 = 1.0 / 256.0;
 
+/// The largest `|a|` and `|s|`, px, and `|k|` that a linearisation may expect (FILTER-10).
+const FARTHEST: f64 = 2048.0;
+const STEEPEST: f64 = 4.0;
+
 /// A landmark as it is known and was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
@@ -55,7 +59,8 @@ pub struct Linearised {
 }
 
 impl Sighting {
-    /// The observation beside a state; `None` if the landmark is not in front of the camera there.
+    /// The observation beside a state; `None` if the landmark is not in front of the camera there (FILTER-4), or where it would be
+    /// seen as no camera sees it (FILTER-10).
     #[must_use]
     pub fn linearised(&self, state: &State) -> Option<Linearised> {
         match &self.seen {
@@ -74,6 +79,9 @@ impl Sighting {
     }
 
     /// (10): the robot in the world by a pose of the camera, with its covariance (OBSERVE-2).
+    //= reference/SPEC.md#observe
+    //# - **OBSERVE-2** As a pose, a sighting MUST be (10), the camera's pose in the landmark's frame taken to the robot
+    //# and the world, with its covariance (COV-4, COV-5) carried through the derivatives.
     #[must_use]
     pub fn robot_in_world(&self, seen: &UncertainPose) -> (Pose<World, Robot>, Matrix3<f64>) {
         let camera_in_world = self.landmark_in_world * seen.camera_in_landmark;
@@ -104,6 +112,9 @@ impl Sighting {
     }
 
     /// OBSERVE-3, OBSERVE-4
+    //= reference/SPEC.md#observe
+    //# - **OBSERVE-4** The noise of an image MUST be the fit's covariance (FIT-14) with `0.1² px²`, `0.05² px²` and
+    //# `0.0005²` added for what no model covers.
     fn image(&self, state: &State, seen: &Homography, covariance: &Matrix3<f64>) -> Option<Linearised> {
         let camera_in_landmark = self.landmark_in_world.inverse() * state.pose * self.camera_in_robot;
         let (predicted, by_camera) = predicted(&self.camera, &self.landmark, &camera_in_landmark)?;
@@ -122,10 +133,14 @@ impl Sighting {
 }
 
 /// The `(a, s, k)` that a camera sees, and their derivatives by its `(x, y, θ)` in the landmark's frame (OBSERVE-3); `None`
-/// if the barcode's centre is not in front of it.
+/// if the barcode's centre is not in front of it, or seen as no camera sees it (FILTER-10).
 ///
 /// With depth `d_0` and offset to the left `l_0` of the centre, both change along `t` by `W sin θ` and `W cos θ`:
 /// `a = -f l_0/d_0`, `s = -f W cos θ/d_0`, `k = W sin θ/d_0`.
+//= reference/SPEC.md#observe
+//# - **OBSERVE-3** As an image, a sighting MUST be `(a, s, k)`, compared with what the camera at the state's pose would
+//# see: `a = -f l/d`, `s = -f W cos θ/d`, `k = W sin θ/d` of its heading θ in L, the depth `d` of the barcode's centre
+//# and its offset `l` to the left.
 fn predicted(
     camera: &Camera,
     landmark: &Landmark,
@@ -140,6 +155,12 @@ fn predicted(
     }
     let homography = Homography { a: -f * left / depth, s: -f * w * cos / depth, k: w * sin / depth };
     let Homography { a, s, k } = homography;
+    //= reference/SPEC.md#filter
+    //# - **FILTER-10** An image MUST NOT be used if one of its linearisations expects `|a|` or `|s|` above 2048 px or
+    //# `|k|` above 4.
+    if a.abs() > FARTHEST || s.abs() > FARTHEST || k.abs() > STEEPEST {
+        return None;
+    }
     // Of the depth by x, y and θ, and of the offset.
     let by_depth = Vector3::new(-cos, -sin, left);
     let by_left = Vector3::new(sin, -cos, -depth);
@@ -185,6 +206,11 @@ mod tests {
 
     proptest! {
         /// What the camera model projects is predicted, and the derivatives are those of it.
+        //= reference/SPEC.md#observe
+        //= type=test
+        //# - **OBSERVE-3** As an image, a sighting MUST be `(a, s, k)`, compared with what the camera at the state's
+        //# pose would see: `a = -f l/d`, `s = -f W cos θ/d`, `k = W sin θ/d` of its heading θ in L, the depth `d` of
+        //# the barcode's centre and its offset `l` to the left.
         #[test]
         fn a_sighting_is_predicted(distance in 0.08..0.6f64, polar in -1.0..1.0f64, off in -0.3..0.3f64) {
             let (x, y, theta) = (distance * polar.cos(), distance * polar.sin(), PI + polar + off);
@@ -208,6 +234,10 @@ mod tests {
         }
 
         /// (10) takes a camera's pose to the robot's, and its covariance by the derivatives.
+        //= reference/SPEC.md#observe
+        //= type=test
+        //# - **OBSERVE-2** As a pose, a sighting MUST be (10), the camera's pose in the landmark's frame taken to the
+        //# robot and the world, with its covariance (COV-4, COV-5) carried through the derivatives.
         #[test]
         fn a_pose_is_carried_to_the_robot(x in 0.1..0.5f64, y in -0.3..0.3f64, theta in 2.5..3.8f64) {
             let at = |change: [f64; 3]| UncertainPose {
@@ -236,8 +266,37 @@ mod tests {
         let seen = sighting(Seen::Image { homography, covariance: Matrix3::zeros() });
         assert!(seen.linearised(&state(0.3, 0.0, 0.0)).is_none());
         assert!(seen.linearised(&state(0.3, 0.0, PI)).is_some());
+        // 2^-8 m before it, where stripes of 0.5 mm are not yet what FILTER-10 speaks of.
+        let landmark = Landmark { stripe_width: 0.0005, ..seen.landmark };
+        let seen = Sighting { landmark, ..seen };
+        assert!(seen.linearised(&state(0.003_91, 0.0, PI)).is_some());
+        assert!(seen.linearised(&state(0.003_90, 0.0, PI)).is_none());
     }
 
+    /// 2048 px are 3.2 times the focal length: `a` of a barcode 3.2 times as far aside as ahead, `s` of one whose half is 3.2 times
+    /// as wide, and `k` is 4 of one that stands endwise and whose half is 4 times as long.
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-10** An image MUST NOT be used if one of its linearisations expects `|a|` or `|s|` above 2048 px or
+    //# `|k|` above 4.
+    #[test]
+    fn what_no_camera_sees_is_not_expected() {
+        let homography = Homography { a: 0.0, s: 30.0, k: 0.0 };
+        let mut seen = sighting(Seen::Image { homography, covariance: Matrix3::zeros() });
+        let expects = |seen: &Sighting, x, y, theta| seen.linearised(&state(x, y, theta)).is_some();
+        for side in [-1.0, 1.0] {
+            assert!(expects(&seen, 0.1, side * 0.3199, PI) && !expects(&seen, 0.1, side * 0.3201, PI));
+        }
+        assert!(expects(&seen, 0.0047, 0.0, PI) && !expects(&seen, 0.0046, 0.0, PI));
+        seen.landmark.stripe_width = 0.02;
+        assert!(expects(&seen, 0.0, -0.0501, PI / 2.0) && !expects(&seen, 0.0, -0.0499, PI / 2.0));
+        assert!(expects(&seen, 0.0, 0.0501, -PI / 2.0) && !expects(&seen, 0.0, 0.0499, -PI / 2.0));
+    }
+
+    //= reference/SPEC.md#observe
+    //= type=test
+    //# - **OBSERVE-4** The noise of an image MUST be the fit's covariance (FIT-14) with `0.1² px²`, `0.05² px²` and
+    //# `0.0005²` added for what no model covers.
     #[test]
     fn what_no_model_covers_is_added() {
         let homography = Homography { a: 0.0, s: 32.0, k: 0.0 };

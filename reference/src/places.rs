@@ -26,6 +26,9 @@ pub enum Places {
 
 impl Places {
     /// The pose of a landmark; `None` if the site knows of none (LOCATE-1, LOCATE-2).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-1** A landmark's pose in the world MUST be that of its payload on the site's grid (GRID-6), or that
+    //# of the table which lists format and payload, whichever the site has.
     #[must_use]
     pub fn landmark_in_world(&self, format: Format, payload: u32) -> Option<Pose<World, Landmark>> {
         match self {
@@ -50,6 +53,10 @@ mod tests {
         assert!(places.landmark_in_world(Format::Paper, 0b0000_1100_0101_1100).is_none());
     }
 
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-1** A landmark's pose in the world MUST be that of its payload on the site's grid (GRID-6), or that
+    //# of the table which lists format and payload, whichever the site has.
     #[test]
     fn a_table_knows_formats_and_identifiers() {
         let entry = |format, payload, x| Entry { format, payload, landmark_in_world: Pose::new(x, 0.0, 0.0) };

@@ -7,6 +7,18 @@ use crate::landmark::Landmark;
 use nalgebra::{Matrix2, Rotation2};
 
 /// The pose of a camera that sees `landmark` by `homography`, columns relative to the principal one (POSE-1 to POSE-3).
+//= reference/SPEC.md#pose
+//# - **POSE-1** With `α_0 = (f, 0)`, `α_1 = (0, -1)`, `A = [α_1 α_0]` and `H = [[s/W, a], [k/W, 1]]`, `B = [β_1 β_0]`
+//# MUST be `A H` scaled so that `β_1` is a unit vector and `β_0`'s first component is positive (ERRATA-4).
+//= reference/SPEC.md#pose
+//# - **POSE-2** The camera's heading MUST be `θ = atan2(β_1x, β_1y)` (ERRATA-5).
+//= reference/SPEC.md#pose
+//# - **POSE-3** The camera's position MUST be `-R(θ) β_0`, the rigid transform (9).
+//= reference/SPEC.md#errata
+//# - **ERRATA-4** (7) MUST be read with `A = [α_1 α_0]` and `B = [β_1 β_0]`, and `H` as the map from the barcode to the
+//# image.
+//= reference/SPEC.md#errata
+//# - **ERRATA-5** (8) MUST be replaced by the heading that (9) implies.
 #[must_use]
 pub fn pose(homography: &Homography, camera: &Camera, landmark: &Landmark) -> Pose<frame::Landmark, frame::Camera> {
     let Homography { a, s, k } = *homography;
@@ -33,6 +45,18 @@ mod tests {
 
     proptest! {
         /// The pose from which (a, s, k) were projected comes back.
+        //= reference/SPEC.md#pose
+        //= type=test
+        //# - **POSE-1** With `α_0 = (f, 0)`, `α_1 = (0, -1)`, `A = [α_1 α_0]` and `H = [[s/W, a], [k/W, 1]]`, `B = [β_1
+        //# β_0]` MUST be `A H` scaled so that `β_1` is a unit vector and `β_0`'s first component is positive
+        //# (ERRATA-4).
+        //= reference/SPEC.md#pose
+        //= type=test
+        //# - **POSE-3** The camera's position MUST be `-R(θ) β_0`, the rigid transform (9).
+        //= reference/SPEC.md#errata
+        //= type=test
+        //# - **ERRATA-4** (7) MUST be read with `A = [α_1 α_0]` and `B = [β_1 β_0]`, and `H` as the map from the
+        //# barcode to the image.
         #[test]
         fn the_pose_undoes_the_projection(
             distance in 0.05..1.0f64, polar in -1.2..1.2f64, off in -0.35..0.35f64, wide in any::<bool>(),
@@ -55,6 +79,12 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#pose
+    //= type=test
+    //# - **POSE-2** The camera's heading MUST be `θ = atan2(β_1x, β_1y)` (ERRATA-5).
+    //= reference/SPEC.md#errata
+    //= type=test
+    //# - **ERRATA-5** (8) MUST be replaced by the heading that (9) implies.
     #[test]
     fn looking_straight_at_a_landmark_is_a_heading_of_pi() {
         // 30 mm are 64 px wide at 0.3 m.

@@ -18,6 +18,10 @@ pub fn width(extent: usize, format: Format) -> usize {
 
 /// How much the worst pixel is darker than its model that should be white, or less than `|ḡ|` darker that should be dark,
 /// grey levels, by the reading of each side that needs the least (ACCEPT-16): at most `|ḡ|/2` where the quiet zones are clear.
+//= reference/SPEC.md#accept
+//# - **ACCEPT-16** Of the nearest `4 q` pixels on either side of each layer's ROI or extent, with `q` the least number
+//# for which `N (q + 1) >= 2 e`, the nearest `q` MUST be white, or else those before one of them white, and it and all
+//# others dark (`QuietZone`).
 #[must_use]
 pub fn obstruction(layers: &[FitLayer<'_>], fitted: &Fitted, camera: &Camera, format: Format) -> f64 {
     let mut worst = 0.0_f64;
@@ -72,6 +76,10 @@ impl Beside<'_> {
     }
 
     /// How much darker than its model a pixel is, grey levels (ACCEPT-17).
+    //= reference/SPEC.md#accept
+    //# - **ACCEPT-17** A pixel beside an ROI MUST count as white if it is in the line and at most `|ḡ|/2` darker than
+    //# its model (TRELLIS-11), as dark if it is in the line and at least `|ḡ|/2` darker, and as both if it is the pixel
+    //# of a step of light, λ beyond the window being that of the window's nearest end.
     fn darker(&self, pixel: usize) -> f64 {
         let Self { layer, fitted, camera, format, .. } = *self;
         let window = Window::of(layer.first_pixel, layer.last_pixel, format, layer.line.len());
@@ -109,6 +117,11 @@ mod tests {
     }
 
     /// White paper has about 200 grey levels and ink 40; noise is a hundredth of it.
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-16** Of the nearest `4 q` pixels on either side of each layer's ROI or extent, with `q` the least
+    //# number for which `N (q + 1) >= 2 e`, the nearest `q` MUST be white, or else those before one of them white, and
+    //# it and all others dark (`QuietZone`).
     #[test]
     fn bars_are_told_from_shadows() {
         assert!(share(|_, _| ()) < 0.1);
@@ -152,6 +165,15 @@ mod tests {
     }
 
     /// The model is brighter than what a pixel can be (TRELLIS-11), and beyond the window as at its end.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-11** In TRELLIS-5 and ACCEPT-8 the model of a pixel of the value 255 MUST count as at most 255, and
+    //# that of one of the value 0 as at least 0, since RENDER-5 limits what is brighter or darker.
+    //= reference/SPEC.md#accept
+    //= type=test
+    //# - **ACCEPT-17** A pixel beside an ROI MUST count as white if it is in the line and at most `|ḡ|/2` darker than
+    //# its model (TRELLIS-11), as dark if it is in the line and at least `|ḡ|/2` darker, and as both if it is the pixel
+    //# of a step of light, λ beyond the window being that of the window's nearest end.
     #[test]
     fn limits_and_the_windows_end_are_kept() {
         let bright = share(|seen, after| {

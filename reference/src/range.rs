@@ -10,6 +10,12 @@ pub const MIN_STRIPE_PIXELS: f64 = 1.5;
 /// The farthest distance, in metres, at which the narrowest stripe is `min_stripe_pixels` wide (RANGE-1, ERRATA-2).
 ///
 /// The camera looks at the barcode's centre from the direction `inclination`, in radians. Where no distance will do: 0.
+//= reference/SPEC.md#range
+//# - **RANGE-1** The stripe-width range along direction θ MUST be the distance at which the narrowest stripe is `L_min`
+//# = 1.5 px wide, `(d + |sin θ| N X_dim/2)(d + |sin θ| (N-2) X_dim/2) = f X_dim d cos θ / L_min` (ERRATA-2).
+//= reference/SPEC.md#errata
+//# - **ERRATA-2** (5) MUST be read with `B_y = X_dim/2 (N - 1) tan² θ`, `C = + X_dim² N (N - 2) tan² θ / 4` and `C_min
+//# = L_min`.
 #[must_use]
 pub fn stripe_width_range(camera: &Camera, landmark: &Landmark, inclination: f64, min_stripe_pixels: f64) -> f64 {
     stripe_width_range_along(camera, landmark, inclination, inclination, min_stripe_pixels)
@@ -47,6 +53,8 @@ pub fn stripe_width_range_along(
 /// row that ends `q` rows from the axis, the farther of both, and 0 if a row does not lie on its layer's side of the axis.
 ///
 /// `q` rows are `D q/f_y` high at the depth `D` and leave a layer, `h/2` high, where that is `h/2` (ERRATA-3).
+//= reference/SPEC.md#errata
+//# - **ERRATA-3** (6) MUST be read with `h` the height of both layers, 50 mm.
 #[must_use]
 pub fn scan_line_depth(camera: &Camera, landmark: &Landmark) -> f64 {
     let middle = camera.height as f64 / 2.0;
@@ -60,6 +68,10 @@ pub fn scan_line_depth(camera: &Camera, landmark: &Landmark) -> f64 {
 /// above 0 if there is none.
 ///
 /// Seen from the direction `inclination`, in radians, the barcode's far end is `N X_dim |sin θ|/2` deeper than its centre.
+//= reference/SPEC.md#range
+//# - **RANGE-2** The scan-line range MUST be `h f_y/(2 q) - N X_dim |sin θ|/2` with `h` the height of both layers and
+//# `q` the rows from the axis to the end of the scan line that ends farther from it, `Q_y/2` for the first and the last
+//# row of an image (6) (ERRATA-3).
 #[must_use]
 pub fn scan_line_range(camera: &Camera, landmark: &Landmark, inclination: f64) -> f64 {
     scan_line_depth(camera, landmark) - landmark.half_width() * inclination.sin().abs()
@@ -69,6 +81,9 @@ pub fn scan_line_range(camera: &Camera, landmark: &Landmark, inclination: f64) -
 ///
 /// A detection needs both. A row whose end nearer to the axis is `q` rows from it leaves a layer of height `h/2` at
 /// `h f_y/(2 q)`: never (infinity) where `q` is 0, and at once (0) where the row lies on the other layer's side.
+//= reference/SPEC.md#range
+//# - **RANGE-4** The detection rate MUST be 0 from the distance on at which one of the rows sees nothing of its layer,
+//# frontally `h f_y/(2 q)` for a row that begins `q` rows from the axis.
 #[must_use]
 pub fn blind_range(camera: &Camera, landmark: &Landmark) -> f64 {
     let middle = camera.height as f64 / 2.0;
@@ -81,6 +96,9 @@ pub fn blind_range(camera: &Camera, landmark: &Landmark) -> f64 {
 
 /// The width, in pixels, of the narrowest stripe that the camera at `pose` sees, whether inside the image or not: the
 /// least `L_k` of CAM-4. 0 where the barcode is seen from behind or has an edge that is not in front of the camera.
+//= reference/SPEC.md#cam
+//# - **CAM-4** The width of stripe k in the image MUST be `L_k = |f X_dim m (B_1 - B_2) / ((B_1 - b_{k-1})(B_1 -
+//# b_k))|` where `sin θ` is not 0.
 #[must_use]
 pub fn narrowest_stripe(camera: &Camera, landmark: &Landmark, pose: &Pose<frame::Landmark, frame::Camera>) -> f64 {
     let edges: Vec<_> = landmark.edges().iter().map(|&b| camera.project_stripe(pose, b)).collect();
@@ -108,6 +126,17 @@ mod tests {
     }
 
     /// The specification's table, in centimetres at 0, 15, 30, 45 and 60°.
+    //= reference/SPEC.md#land
+    //= type=test
+    //# - **LAND-6** Default dimensions MUST be `X_dim` = 1.5 mm and a stripe height of 25 mm (ERRATA-3).
+    //= reference/SPEC.md#range
+    //= type=test
+    //# - **RANGE-1** The stripe-width range along direction θ MUST be the distance at which the narrowest stripe is
+    //# `L_min` = 1.5 px wide, `(d + |sin θ| N X_dim/2)(d + |sin θ| (N-2) X_dim/2) = f X_dim d cos θ / L_min`
+    //# (ERRATA-2).
+    //= reference/SPEC.md#errata
+    //= type=test
+    //# - **ERRATA-3** (6) MUST be read with `h` the height of both layers, 50 mm.
     #[test]
     fn ranges_are_those_of_the_table() {
         let camera = Camera::epuck();
@@ -124,6 +153,11 @@ mod tests {
     }
 
     /// Rows 2 and 5 of 8 end 2 rows from the axis, half as far as rows 0 and 7: twice the 50 cm. Row 1 ends 3 rows from it.
+    //= reference/SPEC.md#range
+    //= type=test
+    //# - **RANGE-2** The scan-line range MUST be `h f_y/(2 q) - N X_dim |sin θ|/2` with `h` the height of both layers
+    //# and `q` the rows from the axis to the end of the scan line that ends farther from it, `Q_y/2` for the first and
+    //# the last row of an image (6) (ERRATA-3).
     #[test]
     fn the_scan_line_that_ends_farther_from_the_axis_counts() {
         let epuck = Camera::epuck();
@@ -150,6 +184,10 @@ mod tests {
     }
 
     /// Rows 0 and 7 of 8 begin 3 rows from the axis: 25 mm * 80 / 3.
+    //= reference/SPEC.md#range
+    //= type=test
+    //# - **RANGE-4** The detection rate MUST be 0 from the distance on at which one of the rows sees nothing of its
+    //# layer, frontally `h f_y/(2 q)` for a row that begins `q` rows from the axis.
     #[test]
     fn blindness_is_that_of_the_rows() {
         let epuck = Camera::epuck();
@@ -206,6 +244,10 @@ mod tests {
         }
 
         /// (5) as ERRATA-2 reads it, `A_xx x² + 2 A_xy x y + A_yy y² + 2 B_x x + 2 B_y y + C = 0`.
+        //= reference/SPEC.md#errata
+        //= type=test
+        //# - **ERRATA-2** (5) MUST be read with `B_y = X_dim/2 (N - 1) tan² θ`, `C = + X_dim² N (N - 2) tan² θ / 4` and
+        //# `C_min = L_min`.
         #[test]
         fn the_corrected_parabola_is_where_the_narrowest_stripe_is_the_minimum(
             theta in 0.02..1.0f64, mirrored in any::<bool>(), bearing in -0.2..0.2f64, pixels in 1.0..2.0f64,

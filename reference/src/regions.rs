@@ -36,6 +36,17 @@ impl Region {
 
 /// The regions of a line by one of its thresholds, from left to right; they alternate in colour and cover it (REGION-2 to
 /// REGION-5).
+//= reference/SPEC.md#region
+//# - **REGION-2** A raw region without a distinct pixel MUST take the colour of the nearest raw region to its left that
+//# has one.
+//= reference/SPEC.md#region
+//# - **REGION-3** Raw regions without a distinct pixel at the left end of the line MUST take the colour of the first
+//# raw region that has one.
+//= reference/SPEC.md#region
+//# - **REGION-4** The regions MUST be the maximal runs of one colour after REGION-2 and REGION-3.
+//= reference/SPEC.md#region
+//# - **REGION-5** A scan line with more than 255 regions by one of its thresholds MUST give no ROIs by that threshold
+//# (`TooManyRegions`).
 pub fn regions(line: &Thresholded<'_>) -> Result<Vec<Region>, LineRefusal> {
     let raw = raw_regions(line);
     let distinct = |region: &Region| (region.first..=region.last).any(|i| line.is_distinct(i));
@@ -55,6 +66,8 @@ pub fn regions(line: &Thresholded<'_>) -> Result<Vec<Region>, LineRefusal> {
 }
 
 /// REGION-1
+//= reference/SPEC.md#region
+//# - **REGION-1** A raw region MUST be a maximal run of pixels of one colour.
 fn raw_regions(line: &Thresholded<'_>) -> Vec<Region> {
     let mut raw: Vec<Region> = Vec::new();
     for i in 0..line.width() {
@@ -86,6 +99,9 @@ mod tests {
 
     use Colour::{Black, White};
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-1** A raw region MUST be a maximal run of pixels of one colour.
     #[test]
     fn regions_alternate_and_cover_the_line() {
         assert_eq!(
@@ -94,6 +110,13 @@ mod tests {
         );
     }
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-2** A raw region without a distinct pixel MUST take the colour of the nearest raw region to its left
+    //# that has one.
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-4** The regions MUST be the maximal runs of one colour after REGION-2 and REGION-3.
     #[test]
     fn a_weak_region_joins_the_distinct_one_at_its_left() {
         // T = 120, distinct from 110 down and 130 up: 115 and 125 are weak.
@@ -102,12 +125,20 @@ mod tests {
         assert_eq!(found(&[200, 40, 125, 115]), [(White, 0, 0), (Black, 1, 3)]);
     }
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-3** Raw regions without a distinct pixel at the left end of the line MUST take the colour of the
+    //# first raw region that has one.
     #[test]
     fn weak_regions_at_the_left_end_take_the_first_distinct_colour() {
         assert_eq!(found(&[115, 125, 200, 40]), [(White, 0, 2), (Black, 3, 3)]);
         assert_eq!(found(&[125, 115, 40, 200]), [(Black, 0, 2), (White, 3, 3)]);
     }
 
+    //= reference/SPEC.md#region
+    //= type=test
+    //# - **REGION-5** A scan line with more than 255 regions by one of its thresholds MUST give no ROIs by that
+    //# threshold (`TooManyRegions`).
     #[test]
     fn more_than_255_regions_are_refused() {
         let line = |n: usize| (0..n).map(|i| if i % 2 == 0 { 200 } else { 40 }).collect::<Vec<u8>>();

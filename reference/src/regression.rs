@@ -20,6 +20,8 @@ pub struct Growth {
 
 impl Growth {
     /// The variance, in m², at `distance` in metres (ERRATA-7).
+    //= reference/SPEC.md#errata
+    //# - **ERRATA-7** (11) MUST be read with λ in m² and d in m.
     #[must_use]
     pub fn variance(&self, distance: f64) -> f64 {
         (self.slope * distance + self.intercept).exp()
@@ -52,6 +54,8 @@ pub const EQUAL_WIDTH: Rotation = Rotation { gain: 2.0, step: FRAC_PI_2 };
 
 impl Rotation {
     /// The axis at the polar angle `theta`, in radians, both; modulo π in (-π/2, π/2], with sgn(0) = +1 (ERRATA-6).
+    //= reference/SPEC.md#errata
+    //# - **ERRATA-6** (12) MUST be read with `sgn(0) = +1`, the rotation being that of an axis, modulo π.
     #[must_use]
     pub fn axis(&self, theta: f64) -> f64 {
         let sign = if theta < 0.0 { -1.0 } else { 1.0 };
@@ -91,6 +95,9 @@ mod tests {
     }
 
     /// ERRATA-6's two rows.
+    //= reference/SPEC.md#errata
+    //= type=test
+    //# - **ERRATA-6** (12) MUST be read with `sgn(0) = +1`, the rotation being that of an axis, modulo π.
     #[test]
     fn axes_are_those_of_the_specification() {
         for (found, stated) in degrees(&ROTATION).into_iter().zip([-82.0, -24.6, 4.0, 33.0]) {
@@ -102,6 +109,9 @@ mod tests {
     }
 
     /// ERRATA-7: 4.3e-4 m², 21 mm, at 30 cm.
+    //= reference/SPEC.md#errata
+    //= type=test
+    //# - **ERRATA-7** (11) MUST be read with λ in m² and d in m.
     #[test]
     fn variances_are_in_square_metres() {
         assert!((MAJOR.variance(0.3) - 4.3e-4).abs() < 0.05e-4);

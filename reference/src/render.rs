@@ -89,6 +89,9 @@ impl Default for Light {
 
 impl Light {
     /// The grey level of a pixel covered by `ink` in a line of the given width (RENDER-4).
+    //= reference/SPEC.md#render
+    //# - **RENDER-4** Light MUST multiply the radiance by the exposure, by a gradient linear in the column, 1 in the
+    //# middle of the line, and by the factor of a patch of light or shadow in the share of the pixel that it covers.
     fn grey(&self, ink: f64, pixel: usize, width: usize) -> f64 {
         let place = pixel as f64 / (width as f64 - 1.0);
         let patch = self.patch.map_or(1.0, |patch| patch.on(pixel));
@@ -117,6 +120,8 @@ impl Default for Sensor {
 ///
 /// `rng` gives one normal deviate for every pixel, from left to right, the upper line's first; also where the noise
 /// is 0. `camera` is one that CAM-7 allows. A payload without a code word is refused, whether it is in view or not.
+//= reference/SPEC.md#render
+//# - **RENDER-6** The same scene and seed MUST give the same bytes.
 pub fn render<R: Rng + ?Sized>(camera: &Camera, scene: &Scene, rng: &mut R) -> Result<[Vec<u8>; 2], EncodeRefusal> {
     let lines = render_radiance(camera, scene)?;
     Ok(lines.map(|line| digitise(&line, scene.sensor.noise, rng)))
@@ -134,6 +139,8 @@ pub fn render_radiance(camera: &Camera, scene: &Scene) -> Result<[Vec<f64>; 2], 
 
 /// The ink of one row of a scene, from 0 for white to 1 for black in every pixel (RENDER-1 to RENDER-3, RENDER-7,
 /// RENDER-8).
+//= reference/SPEC.md#render
+//# - **RENDER-8** Ink of several objects in one pixel MUST add up to at most black; objects hide nothing.
 pub fn row_ink(camera: &Camera, scene: &Scene, row: usize) -> Result<Vec<f64>, EncodeRefusal> {
     let [line] = ink(camera, scene, [row])?;
     Ok(line)
@@ -148,6 +155,9 @@ pub fn radiance(ink: &[f64], light: &Light) -> Vec<f64> {
 /// A line's grey levels with noise of the standard deviation `noise`, rounded half up and limited (RENDER-5).
 ///
 /// `rng` gives one normal deviate for every pixel from left to right, also where the noise is 0.
+//= reference/SPEC.md#render
+//# - **RENDER-5** Sensor noise MUST be Gaussian and independent for every pixel, added before rounding to the nearest
+//# integer and limiting to 0..255.
 pub fn digitise<R: Rng + ?Sized>(radiance: &[f64], noise: f64, rng: &mut R) -> Vec<u8> {
     let pixel = |grey: &f64| {
         let deviate: f64 = StandardNormal.sample(rng);
@@ -210,6 +220,8 @@ fn add_landmark<const N: usize>(
 }
 
 /// The columns of a landmark's stripe edges from left to right, if it is drawn (RENDER-7).
+//= reference/SPEC.md#render
+//# - **RENDER-7** A landmark of which a part is behind the camera or whose wall is seen from behind MUST NOT be drawn.
 fn visible_edges(
     camera: &Camera,
     landmark: &Landmark,
@@ -251,6 +263,9 @@ impl Reach {
 
 /// The shares of a row's height that lie in the upper and in the lower layer (RENDER-3), where a layer appears `reach`
 /// rows high. Row `r` lies between `Q_y/2 - r - 1` and `Q_y/2 - r` rows above the axis.
+//= reference/SPEC.md#render
+//# - **RENDER-3** A landmark's stripe MUST darken a pixel by the share of its row's height in which the layer stands at
+//# the pixel's middle, which falls below 1 where (6) says.
 fn row_shares(camera: &Camera, row: usize, reach: f64) -> [f64; 2] {
     let top = camera.height as f64 / 2.0 - row as f64;
     let bottom = top - 1.0;
@@ -261,6 +276,12 @@ fn row_shares(camera: &Camera, row: usize, reach: f64) -> [f64; 2] {
 
 /// The ink of every pixel of a line on which `stripes`, true for a bar, lie between `columns`, all from left to right;
 /// beyond them it is white (RENDER-1, RENDER-2).
+//= reference/SPEC.md#render
+//# - **RENDER-1** A pixel's value MUST be the integral of the scene's radiance over the pixel's columns and its row's
+//# height.
+//= reference/SPEC.md#render
+//# - **RENDER-2** Optical blur MUST be a Gaussian along the line, of the stated standard deviation in pixels, before
+//# the pixel integrates.
 fn coverage(width: usize, blur: f64, columns: &[f64], stripes: &[bool]) -> Vec<f64> {
     let mut edges = Edges::new(width, blur);
     let mut left = false;
@@ -426,6 +447,14 @@ mod tests {
         blurred.sum::<f64>() / kernel.iter().sum::<f64>() * step
     }
 
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-1** A pixel's value MUST be the integral of the scene's radiance over the pixel's columns and its
+    //# row's height.
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-2** Optical blur MUST be a Gaussian along the line, of the stated standard deviation in pixels,
+    //# before the pixel integrates.
     #[test]
     fn a_pixel_is_the_integral_of_the_blurred_stripes() {
         // 1.5 to 2.5 px per stripe; the landmark's middle lies left of the line's.
@@ -470,6 +499,10 @@ mod tests {
     }
 
     /// 3.2 px per stripe at 0.3 m: from 239.5 - 32 = 207.5 to 271.5.
+    //= reference/SPEC.md#cam
+    //= type=test
+    //# - **CAM-1** Pixel `i` MUST cover the columns from `i - 1/2` to `i + 1/2`, with `i` growing from left to right as
+    //# the robot sees.
     #[test]
     fn frontal_stripes_lie_at_the_pinholes_columns() {
         let [upper, lower] = radiance_of(&frontal(0.3, 0.0));
@@ -487,6 +520,9 @@ mod tests {
     }
 
     /// A landmark at (2, 1) facing along world y; a camera 0.3 m in front of it that turns by 0.1 to either side.
+    //= reference/SPEC.md#frame
+    //= type=test
+    //# - **FRAME-3** The camera frame C and the robot frame R MUST have x forward and y left.
     #[test]
     fn a_camera_that_turns_left_sees_the_landmark_at_its_right() {
         for turn in [-0.1, 0.1_f64] {
@@ -502,6 +538,10 @@ mod tests {
     }
 
     /// The upper row sees the heights from `3 d/80` to `4 d/80`, of which `(0.025 - 3 d/80) / (d/80)` are stripes.
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-3** A landmark's stripe MUST darken a pixel by the share of its row's height in which the layer
+    //# stands at the pixel's middle, which falls below 1 where (6) says.
     #[test]
     fn the_row_share_fades_from_50_to_67_centimetres() {
         for (distance, share) in [(0.3, 1.0), (0.5, 1.0), (4.0 / 7.0, 0.5), (0.62, 2.0 / 0.62 - 3.0), (2.0 / 3.0, 0.0)]
@@ -529,6 +569,10 @@ mod tests {
     }
 
     /// Rows 1, 2 and 3 of 5 lie above, astride and below the axis.
+    //= reference/SPEC.md#land
+    //= type=test
+    //# - **LAND-4** The upper layer MUST fill the height from 0 to the stripe height above the camera's height, and the
+    //# lower layer the same below it.
     #[test]
     fn a_row_astride_the_axis_sees_both_layers() {
         let camera = Camera { height: 5, upper_row: 1, lower_row: 2, ..Camera::epuck() };
@@ -563,6 +607,10 @@ mod tests {
     }
 
     /// A pixel reaches half a pixel to either side of its number; the landmark's ink and a gradient are under the patch.
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-4** Light MUST multiply the radiance by the exposure, by a gradient linear in the column, 1 in the
+    //# middle of the line, and by the factor of a patch of light or shadow in the share of the pixel that it covers.
     #[test]
     fn a_patch_covers_shares_of_pixels() {
         let mut scene = frontal(0.3, 0.0);
@@ -592,6 +640,10 @@ mod tests {
     }
 
     /// The mean and standard deviation of 960 * 200 pixels; rounding adds a variance of 1/12.
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-5** Sensor noise MUST be Gaussian and independent for every pixel, added before rounding to the
+    //# nearest integer and limiting to 0..255.
     #[test]
     fn noise_is_gaussian_and_independent() {
         let mut scene = empty(0.5, 3.0);
@@ -628,6 +680,9 @@ mod tests {
         assert_eq!(levels, [0, 0, 0, 1, 99, 100, 101, 254, 255, 255]);
     }
 
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-6** The same scene and seed MUST give the same bytes.
     #[test]
     fn the_same_seed_gives_the_same_bytes() {
         let scene = Scene { sensor: Sensor::default(), ..frontal(0.3, 0.5) };
@@ -640,6 +695,10 @@ mod tests {
         assert_eq!(rng, other, "noise 0 leaves the generator where any noise does");
     }
 
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-7** A landmark of which a part is behind the camera or whose wall is seen from behind MUST NOT be
+    //# drawn.
     #[test]
     fn what_is_behind_wall_or_camera_is_not_drawn() {
         let blur = 0.5;
@@ -656,6 +715,9 @@ mod tests {
         assert_blank(&Scene { clutter: vec![behind, partly], ..empty(blur, 0.0) });
     }
 
+    //= reference/SPEC.md#render
+    //= type=test
+    //# - **RENDER-8** Ink of several objects in one pixel MUST add up to at most black; objects hide nothing.
     #[test]
     fn objects_add_up_to_black() {
         // Two landmarks 60 mm apart at 0.3 m: 128 px.

@@ -78,6 +78,10 @@ impl Roi<'_> {
     }
 
     /// HOMOG-2: guard transitions, outermost first, left before right.
+    //= reference/SPEC.md#homog
+    //# - **HOMOG-2** The first homography of an ROI MUST be that of the `4 N_guard` transitions of its guards: from the
+    //# left end the edges `j = 0 .. 2 N_guard - 1`, from the right end `j = N .. N - 2 N_guard + 1`, each with the next
+    //# transition inwards.
     fn guard_transitions(&self) -> impl Iterator<Item = Crossing> {
         let (first, last) = (self.hypothesis.first_region, self.hypothesis.last_region);
         (0..2 * GUARD_PAIRS).flat_map(move |g| {
@@ -86,6 +90,9 @@ impl Roi<'_> {
     }
 
     /// Distance of `middle` from the left and from the right boundary of a region, positive inside (SAMPLE-3).
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-3** A region MUST contain the columns from `first - 1/2` inclusive to `last + 1/2` exclusive, so that
+    //# a middle that falls on a boundary belongs to the pixel at its right.
     fn inside(&self, region: usize, middle: f64) -> (f64, f64) {
         let column = self.hypothesis.middle() + middle;
         let region = &self.regions[region];
@@ -93,6 +100,12 @@ impl Roi<'_> {
     }
 
     /// The one of `allowed` that contains stripe `j` (SAMPLE-2 to SAMPLE-4).
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-2** A stripe MUST have the colour of the region that contains the projection of its middle `t = (2 j
+    //# + 1)/N - 1` by the homography at that time.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-4** A pipeline whose arithmetic is not exact MUST treat a middle within its declared error of a
+    //# boundary as on it.
     fn sample(&self, homography: &Homography, j: usize, allowed: &[usize]) -> Sample {
         let n = self.format.stripes() as f64;
         let middle = homography.column((2 * j + 1) as f64 / n - 1.0);
@@ -108,6 +121,9 @@ impl Roi<'_> {
     }
 
     /// The regions in which stripe `j`, the `depth`-th of its side, may fall, given the region of the one before it.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-6** A code stripe that does not fall in the region of the stripe sampled before it on its side, or in
+    //# the next region inwards within the ROI, MUST be refused (`Transition`).
     fn allowed(&self, side: Side, depth: usize, before: usize) -> Vec<usize> {
         let (first, last) = (self.hypothesis.first_region, self.hypothesis.last_region);
         match (side, depth < 2 * GUARD_PAIRS) {
@@ -158,6 +174,13 @@ impl<'o, O: Observer> Improving<'o, O> {
     }
 
     /// SAMPLE-10, SAMPLE-11
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-10** With `ρ = a + s t - k t z - z` the residual of a transition in HOMOG-1 by the last homography,
+    //# an ROI MUST be refused (`Residual`) if two of its transitions that have one transition between them differ in ρ
+    //# by more than `e/64` px, to which the whole-pixel rule adds 1 px and the local threshold 1 px.
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-11** A pipeline whose arithmetic is not exact MUST treat a difference of SAMPLE-10 within its
+    //# declared error of the limit as on it.
     fn check_residuals(&mut self, roi: &Roi<'_>) -> Result<(), HypothesisRefusal> {
         let unit = f64::from(1 << subpixel_bits(roi.hypothesis));
         self.crossings.sort_unstable_by_key(|crossing| crossing.edge);
@@ -189,6 +212,9 @@ pub fn sample<O: Observer>(roi: &Roi<'_>, observer: &mut O) -> Result<Stripes, H
     let mut improving = Improving::new(roi, observer)?;
     let mut colours = vec![Colour::White; n];
     let (mut left, mut right) = (roi.hypothesis.first_region, roi.hypothesis.last_region);
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-1** Stripes MUST be sampled from the borders to the centre, alternating, the left one first: 0, N-1,
+    //# 1, N-2, and so on.
     for depth in 0..n / 2 {
         for side in [Side::Left, Side::Right] {
             let (j, before) = match side {
@@ -197,12 +223,19 @@ pub fn sample<O: Observer>(roi: &Roi<'_>, observer: &mut O) -> Result<Stripes, H
             };
             let sampled = roi.sample(&improving.homography, j, &roi.allowed(side, depth, *before));
             improving.observer.sample(&sampled);
+            //= reference/SPEC.md#sample
+            //# - **SAMPLE-5** A guard stripe `j` from either end that does not fall in the region `j` places from that
+            //# end of the ROI MUST be refused (`Guard`).
             let in_guard = depth < 2 * GUARD_PAIRS;
             let refusal = if in_guard { HypothesisRefusal::Guard } else { HypothesisRefusal::Transition };
             let region = sampled.region.ok_or(refusal)?;
             colours[j] = roi.regions[region].colour;
             let entered = if region == *before || in_guard { None } else { Some(*before) };
             *before = region;
+            //= reference/SPEC.md#sample
+            //# - **SAMPLE-7** Where a code stripe falls in the next region inwards, the transition between both MUST be
+            //# added to the homography as the edge between both stripes, and the homography be solved again before the
+            //# next stripe.
             match (entered, side) {
                 (None, _) => {}
                 (Some(from), Side::Left) => improving.improve(&roi.transition(from, j))?,
@@ -210,6 +243,12 @@ pub fn sample<O: Observer>(roi: &Roi<'_>, observer: &mut O) -> Result<Stripes, H
             }
         }
     }
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-8** When all stripes are sampled, the left and the right side's last regions MUST be the same or
+    //# neighbours, with the left one at the left, or else the ROI be refused (`Transition`).
+    //= reference/SPEC.md#sample
+    //# - **SAMPLE-9** Where SAMPLE-8 finds neighbours, the transition between both MUST be added as the middle edge `j
+    //# = N/2`, and the homography be solved again.
     if left + 1 == right {
         improving.improve(&roi.transition(left, n / 2))?;
     } else if left != right {

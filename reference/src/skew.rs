@@ -50,6 +50,13 @@ impl Skew {
     }
 
     /// The motion of a robot's camera by the ways of its wheels, one arc after the other (SKEW-1, SKEW-5).
+    //= reference/SPEC.md#skew
+    //# - **SKEW-1** The motion of the camera MUST be that of the robot through its mounting: MOTION-2 and MOTION-3 with
+    //# `e = g = 0` over the readings between both times, a reading's steps taken in proportion to the part of its time.
+    //= reference/SPEC.md#skew
+    //# - **SKEW-5** The *play* of a moving camera MUST be `T = ceil(5 f/b √(q (|l| + |r|) + u²/3))` pixels, with `q =
+    //# 1e-6 m`, `u` of MOTION-1, the axle `b`, and `|l|` and `|r|` the sums of the lengths of the wheels' ways between
+    //# both times; at rest it is 0.
     #[must_use]
     pub fn of_ways(
         ways: &[Ways],
@@ -91,6 +98,13 @@ impl Skew {
     }
 
     /// What the lower row sees where the upper one sees `homography` (SKEW-2); `None` by SKEW-3.
+    //= reference/SPEC.md#skew
+    //# - **SKEW-2** A homography `(a, s, k)` MUST be carried to the lower row by `1/ρ = √(k² + (s/f)²)/W`, `u = (1 -
+    //# t_x/ρ, -a/f - t_y/ρ)` and `v = (k, -s/f)`, which are turned by `-φ` into `u'` and `v'`: `a' = -f u'_y/u'_x`, `s'
+    //# = -f v'_y/u'_x`, `k' = v'_x/u'_x`; its *shift* is `Δ = (a' - a, s' - s, k' - k)`.
+    //= reference/SPEC.md#skew
+    //# - **SKEW-3** A homography that is carried to `u'_x < 1/4`, `|k'| > 3/4`, `s' < N/4` or `s' <= a' k'` MUST be
+    //# paired with nothing.
     #[must_use]
     pub fn carried(&self, homography: &Homography, camera: &Camera, landmark: &Landmark) -> Option<Homography> {
         let Some(Motion { lower_in_upper: motion, .. }) = &self.motion else { return Some(*homography) };
@@ -130,6 +144,9 @@ pub struct Ends {
 
 impl Ends {
     /// Those of a homography and what it is carried to (SKEW-4).
+    //= reference/SPEC.md#skew
+    //# - **SKEW-4** The *shift of an end* `t`, -1 for the first pixel and 1 for the last one, MUST be `c'(t) - c(t)`
+    //# with `c(t) = (a + s t)/(1 + k t)`, rounded to the nearest pixel, halves up.
     #[must_use]
     pub fn of(upper: &Homography, lower: &Homography) -> Self {
         let shift = |t: f64| whole(lower.column(t) - upper.column(t));
@@ -162,6 +179,11 @@ mod tests {
 
     proptest! {
         /// What is carried is what the camera sees after its motion.
+        //= reference/SPEC.md#skew
+        //= type=test
+        //# - **SKEW-2** A homography `(a, s, k)` MUST be carried to the lower row by `1/ρ = √(k² + (s/f)²)/W`, `u = (1
+        //# - t_x/ρ, -a/f - t_y/ρ)` and `v = (k, -s/f)`, which are turned by `-φ` into `u'` and `v'`: `a' = -f
+        //# u'_y/u'_x`, `s' = -f v'_y/u'_x`, `k' = v'_x/u'_x`; its *shift* is `Δ = (a' - a, s' - s, k' - k)`.
         #[test]
         fn a_homography_is_carried_to_where_the_camera_went(
             distance in 0.12..0.6f64, polar in -0.9..0.9f64, off in -0.3..0.3f64,
@@ -192,6 +214,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-3** A homography that is carried to `u'_x < 1/4`, `|k'| > 3/4`, `s' < N/4` or `s' <= a' k'` MUST be
+    //# paired with nothing.
     #[test]
     fn what_comes_too_near_is_not_carried() {
         // 30 cm away, and 23 of them towards it.
@@ -202,6 +228,10 @@ mod tests {
         assert!(carried(0.226).is_none());
     }
 
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-1** The motion of the camera MUST be that of the robot through its mounting: MOTION-2 and MOTION-3 with
+    //# `e = g = 0` over the readings between both times, a reading's steps taken in proportion to the part of its time.
     #[test]
     fn a_robot_that_turns_swings_its_camera() {
         // Both wheels by a quarter of a circle of the axle's length: a quarter turn on the spot.
@@ -214,6 +244,11 @@ mod tests {
     }
 
     /// 13.1 mm: 1e-6 of 26.2 mm and a third of (0.129 mm)² are (0.178 mm)², over 53 mm 3.36 mrad, five times 640 px of it 10.8.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-5** The *play* of a moving camera MUST be `T = ceil(5 f/b √(q (|l| + |r|) + u²/3))` pixels, with `q =
+    //# 1e-6 m`, `u` of MOTION-1, the axle `b`, and `|l|` and `|r|` the sums of the lengths of the wheels' ways between
+    //# both times; at rest it is 0.
     #[test]
     fn the_play_is_five_standard_deviations_of_the_turn() {
         let ways = [Ways { left: 0.006, right: 0.006 }, Ways { left: 0.0071, right: 0.0071 }];
@@ -222,6 +257,10 @@ mod tests {
         assert_eq!(Skew::at_rest().play(), 0);
     }
 
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-4** The *shift of an end* `t`, -1 for the first pixel and 1 for the last one, MUST be `c'(t) - c(t)`
+    //# with `c(t) = (a + s t)/(1 + k t)`, rounded to the nearest pixel, halves up.
     #[test]
     fn ends_are_rounded_halves_up() {
         let at = |a: f64, s: f64| Homography { a, s, k: 0.0 };

@@ -44,6 +44,11 @@ impl Threshold {
 }
 
 /// The global threshold of a scan line, refused where its contrast is low (THRESH-1, THRESH-4).
+//= reference/SPEC.md#thresh
+//# - **THRESH-1** The global threshold MUST be the mean of the scan line's largest and smallest value, kept as their
+//# sum `T2`.
+//= reference/SPEC.md#thresh
+//# - **THRESH-4** A scan line whose range is below 24 grey levels MUST be refused (`LowContrast`).
 pub fn threshold(line: &[u8]) -> Result<Threshold, LineRefusal> {
     let darkest = line.iter().copied().min().ok_or(LineRefusal::Width)?;
     let brightest = line.iter().copied().max().ok_or(LineRefusal::Width)?;
@@ -98,12 +103,22 @@ impl<'a> Thresholded<'a> {
     }
 
     /// THRESH-2, THRESH-7; the global range is never below [`MIN_RANGE`] (THRESH-4).
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-2** By the global threshold a pixel of value `I` MUST be black where `2 I < T2`, and white otherwise.
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-7** By the local threshold a pixel MUST be black where `R(i) >= 24` and `2 I < T2(i)`, and white
+    //# otherwise.
     #[must_use]
     pub fn is_black(&self, i: usize) -> bool {
         self.has_range(i) && self.contrast(i) < 0
     }
 
     /// THRESH-3, THRESH-8
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-3** By the global threshold a pixel MUST be *distinct* where `8 |2 I - T2| >= R`, that is where it is
+    //# at least 1/16 of the range from the threshold.
+    //= reference/SPEC.md#thresh
+    //# - **THRESH-8** By the local threshold a pixel MUST be distinct where `R(i) < 24` or `8 |2 I - T2(i)| >= R(i)`.
     #[must_use]
     pub fn is_distinct(&self, i: usize) -> bool {
         !self.has_range(i) || 8 * self.contrast(i).abs() >= self.thresholds[i].range()
@@ -115,6 +130,13 @@ impl<'a> Thresholded<'a> {
 }
 
 /// THRESH-5, THRESH-6
+//= reference/SPEC.md#thresh
+//# - **THRESH-5** The left window of pixel `i` MUST be the pixels from `max(0, 16 (b - 8))` to `i`, and its right
+//# window those from `i` to `min(Q_x - 1, 16 (b + 8) + 15)`, with `b = floor(i/16)`.
+//= reference/SPEC.md#thresh
+//# - **THRESH-6** With `high(i)` the smaller of both windows' largest values and `low(i)` the larger of the smallest
+//# values of the left window with pixel `i + 1` and of the right window with pixel `i - 1`, as far as the line has
+//# them, the local threshold MUST have `T2(i) = high(i) + low(i)` and `R(i) = high(i) - low(i)`.
 fn local_threshold(line: &[u8], i: usize) -> Threshold {
     let block = i / BLOCK;
     let (first, end) = (BLOCK * block.saturating_sub(REACH), line.len().min(BLOCK * (block + REACH + 1)));
@@ -136,6 +158,13 @@ mod tests {
         Thresholded::global(line, threshold(line).unwrap())
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-1** The global threshold MUST be the mean of the scan line's largest and smallest value, kept as
+    //# their sum `T2`.
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-2** By the global threshold a pixel of value `I` MUST be black where `2 I < T2`, and white otherwise.
     #[test]
     fn a_pixel_on_the_threshold_is_white() {
         let line = [40, 200, 120, 119, 121];
@@ -145,6 +174,10 @@ mod tests {
         assert_eq!([0, 1, 2, 3, 4].map(|i| found.contrast(i)), [-160, 160, 0, -2, 2]);
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-3** By the global threshold a pixel MUST be *distinct* where `8 |2 I - T2| >= R`, that is where it is
+    //# at least 1/16 of the range from the threshold.
     #[test]
     fn distinct_begins_at_a_sixteenth_of_the_range() {
         // Range 160: the distance is 10 grey levels.
@@ -153,6 +186,9 @@ mod tests {
         assert_eq!([2, 3, 4, 5].map(|i| found.is_distinct(i)), [true, false, true, false]);
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-4** A scan line whose range is below 24 grey levels MUST be refused (`LowContrast`).
     #[test]
     fn contrast_below_24_is_refused() {
         assert_eq!(threshold(&[100, 123]), Err(LineRefusal::LowContrast));
@@ -176,6 +212,10 @@ mod tests {
     }
 
     /// One bright pixel far left and one far right: both are needed, so the reach of one window is seen beside the other.
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-5** The left window of pixel `i` MUST be the pixels from `max(0, 16 (b - 8))` to `i`, and its right
+    //# window those from `i` to `min(Q_x - 1, 16 (b + 8) + 15)`, with `b = floor(i/16)`.
     #[test]
     fn windows_are_one_sided_and_end_with_blocks() {
         // Pixel 16 is in the left window of the pixels up to block 1 + 8, which ends with 159; pixel 191 in the right
@@ -193,6 +233,11 @@ mod tests {
         assert_eq!(affected(&[(470, 200), (479, 200)]), (470..480).collect::<Vec<_>>());
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-6** With `high(i)` the smaller of both windows' largest values and `low(i)` the larger of the
+    //# smallest values of the left window with pixel `i + 1` and of the right window with pixel `i - 1`, as far as the
+    //# line has them, the local threshold MUST have `T2(i) = high(i) + low(i)` and `R(i) = high(i) - low(i)`.
     #[test]
     fn what_is_bright_on_both_sides_counts() {
         // Of 200 and 180 the smaller is bright to both sides, of 40 and 20 the larger is dark to both.
@@ -224,6 +269,10 @@ mod tests {
         assert!(by_global.is_black(300));
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-7** By the local threshold a pixel MUST be black where `R(i) >= 24` and `2 I < T2(i)`, and white
+    //# otherwise.
     #[test]
     fn without_a_local_range_of_24_a_pixel_is_white_and_distinct() {
         // Bright to both sides 123 or 124, dark 100; 111 is below the mean of both, by less than a sixteenth.
@@ -235,6 +284,9 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-8** By the local threshold a pixel MUST be distinct where `R(i) < 24` or `8 |2 I - T2(i)| >= R(i)`.
     #[test]
     fn local_distinct_begins_at_a_sixteenth_of_the_local_range() {
         // Range 160 about 120 between 230 and 250.

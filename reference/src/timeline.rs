@@ -43,6 +43,9 @@ pub struct Observation {
 
 impl Observation {
     /// The order of observations, and what makes two of them the same (TIME-2, TIME-8).
+    //= reference/SPEC.md#time
+    //# - **TIME-8** A reading of the time of one in the queue, and an observation of the time, image, format, payload
+    //# and layer of one in the queue, MUST be refused (`Duplicate`), whatever it says.
     fn key(&self) -> (Time, u64, bool, u32, Part) {
         let (format, payload) = self.landmark;
         (self.time, self.image, format == Format::Wide, payload, self.part)
@@ -115,6 +118,9 @@ impl Timeline {
     }
 
     /// The estimate at the newest reading's time (TIME-4).
+    //= reference/SPEC.md#time
+    //# - **TIME-4** The estimate MUST be that of the newest reading's time; an observation after it waits for the
+    //# reading that reaches it.
     #[must_use]
     pub fn estimate(&self) -> &Estimate {
         self.current.estimate()
@@ -133,6 +139,9 @@ impl Timeline {
     }
 
     /// The wheels were read (TIME-1 to TIME-10).
+    //= reference/SPEC.md#time
+    //# - **TIME-10** What is refused MUST change nothing but its counter, and the estimate's time never decrease: while
+    //# a clock that was set back has not caught up, everything is late.
     pub fn read(&mut self, reading: &Reading) -> Result<(), Untimely> {
         let result = self.take_reading(reading);
         self.count(result.err());
@@ -140,6 +149,12 @@ impl Timeline {
     }
 
     /// A landmark was seen: what became of it, `None` while it waits for a reading (TIME-2 to TIME-10).
+    //= reference/SPEC.md#time
+    //# - **TIME-5** What comes late MUST have the same effect as if it had come in order, if its time is after the
+    //# newest reading's less 600 ms.
+    //= reference/SPEC.md#time
+    //# - **TIME-7** A reading or an observation that is not after what is settled, or after the timeline's begin where
+    //# nothing is, MUST be refused (`Late`).
     pub fn observe(&mut self, observation: &Observation) -> Result<Option<Outcome>, Untimely> {
         let result = self.take_observation(observation);
         self.count(result.err());
@@ -147,6 +162,9 @@ impl Timeline {
     }
 
     /// Begins again at a time, with the estimate as it is (TIME-11).
+    //= reference/SPEC.md#time
+    //# - **TIME-11** A timeline MUST be restarted on demand at a given time: everything is settled, observations that
+    //# still wait are dropped and counted, and times count from the given one.
     pub fn restart(&mut self, time: Time) {
         let newest = self.time();
         let waiting = self.observations.iter().filter(|observation| observation.time > newest).count();
@@ -158,6 +176,9 @@ impl Timeline {
     }
 
     /// The ways of the wheels from one time to another, reading by reading, as far as the readings reach (SKEW-1, LOCATE-6).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-6** The skew MUST be that of the readings the timeline holds; where they do not reach back to the
+    //# upper row's time or on to the lower row's, it counts as at rest for what is missing.
     #[must_use]
     pub fn ways_between(&self, from: Time, to: Time) -> Vec<Ways> {
         let mut begin = self.settled_time;
@@ -227,6 +248,10 @@ impl Timeline {
     }
 
     /// How many readings have to be settled before the earliest observation is; `None` if the newest one would (TIME-9).
+    //= reference/SPEC.md#time
+    //# - **TIME-9** The queue MUST hold 16 readings and 8 observations, where there is no room the earliest readings
+    //# and the observations up to these being settled one after the other until there is, except the newest one, and
+    //# what would then be late, or finds no room even so, being refused (`Late`, `Full`).
     fn frees_observations(&self) -> Option<usize> {
         let earliest = self.observations.first()?.time;
         let before = self.readings.partition_point(|reading| reading.time < earliest);
@@ -234,6 +259,9 @@ impl Timeline {
     }
 
     /// Settles the earliest reading and the observations up to it (TIME-6, TIME-9).
+    //= reference/SPEC.md#time
+    //# - **TIME-6** What is no longer needed for TIME-5 MUST be *settled*: whenever the newest reading changes, all
+    //# readings that are at least 600 ms older than it, and the observations up to the last of these.
     fn settle_next(&mut self) {
         let reading = self.readings.remove(0);
         let up_to = self.observations.partition_point(|observation| observation.time <= reading.time);
@@ -259,6 +287,12 @@ impl Timeline {
 }
 
 /// A filter through a reading that began at a time and the observations during it (TIME-1 to TIME-3).
+//= reference/SPEC.md#time
+//# - **TIME-2** Readings and observations MUST have the effect of being taken in the order of their times, a reading
+//# before the observations of its own time, and observations of one time by their image, then their format (`paper`
+//# first), payload and layer (upper, lower, both).
+//= reference/SPEC.md#time
+//# - **TIME-3** An observation between two readings MUST part the later one's steps in proportion to the time.
 fn run(filter: &mut Filter, begin: Time, reading: &Reading, observations: &[Observation]) -> Vec<Outcome> {
     let whole = reading.time.since(begin);
     let mut now = begin;
@@ -277,6 +311,8 @@ fn run(filter: &mut Filter, begin: Time, reading: &Reading, observations: &[Obse
 }
 
 /// The ways during a part of the time (TIME-1, TIME-3).
+//= reference/SPEC.md#time
+//# - **TIME-1** A reading's steps MUST count as made evenly from the end of the reading before it to its own time.
 fn part(ways: &Ways, micros: u64, whole: u64) -> Ways {
     let share = micros as f64 / whole as f64;
     Ways { left: ways.left * share, right: ways.right * share }
@@ -374,6 +410,10 @@ mod tests {
 
     proptest! {
         /// TIME-5: whatever comes at most 600 ms late, the result is that of the sorted order, to the bit.
+        //= reference/SPEC.md#time
+        //= type=test
+        //# - **TIME-5** What comes late MUST have the same effect as if it had come in order, if its time is after the
+        //# newest reading's less 600 ms.
         #[test]
         fn any_interleaving_gives_the_result_of_the_sorted_order(events in delayed()) {
             let (mut sorted, mut mixed) = (timeline(), timeline());
@@ -394,6 +434,10 @@ mod tests {
         }
 
         /// TIME-8, TIME-10: what comes again in time changes nothing, even if it says something else.
+        //= reference/SPEC.md#time
+        //= type=test
+        //# - **TIME-8** A reading of the time of one in the queue, and an observation of the time, image, format,
+        //# payload and layer of one in the queue, MUST be refused (`Duplicate`), whatever it says.
         #[test]
         fn duplicates_change_nothing(events in delayed(), again in proptest::collection::vec(0..5_usize, 44)) {
             let (mut once, mut twice) = (timeline(), timeline());
@@ -414,6 +458,12 @@ mod tests {
     }
 
     /// What an observation parts is the same way (TIME-3), and it is taken in the middle of it.
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-1** A reading's steps MUST count as made evenly from the end of the reading before it to its own time.
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-3** An observation between two readings MUST part the later one's steps in proportion to the time.
     #[test]
     fn an_observation_parts_a_reading() {
         let mut timeline = timeline();
@@ -446,6 +496,63 @@ mod tests {
         assert_eq!(timeline.counts().filter.used, 1);
     }
 
+    /// TIME-2: of one time by image, format, payload and layer, whichever comes first. What the later one of two says is seen
+    /// in the estimate, since each is said to know the pose for certain.
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-2** Readings and observations MUST have the effect of being taken in the order of their times, a
+    //# reading before the observations of its own time, and observations of one time by their image, then their format
+    //# (`paper` first), payload and layer (upper, lower, both).
+    #[test]
+    fn observations_of_one_time_have_an_order() {
+        use crate::landmark::Format::{Paper, Wide};
+        let seen = |image: u64, format, payload: u32, part, off: f64| {
+            let mut one = observation(150, payload);
+            (one.image, one.landmark, one.part) = (image, (format, payload), part);
+            if let Seen::Pose(pose) = &mut one.sighting.seen {
+                let at = pose.camera_in_landmark;
+                pose.camera_in_landmark = Pose::new(at.x() + off, at.y(), at.theta());
+                pose.covariance = Matrix3::from_diagonal_element(1e-6);
+            }
+            one
+        };
+        let pairs = [
+            [(1, Wide, 9, Part::Both), (2, Paper, 1, Part::Upper)],
+            [(1, Paper, 9, Part::Both), (1, Wide, 1, Part::Upper)],
+            [(1, Paper, 1, Part::Both), (1, Paper, 2, Part::Upper)],
+            [(1, Paper, 1, Part::Upper), (1, Paper, 1, Part::Lower)],
+            [(1, Paper, 1, Part::Lower), (1, Paper, 1, Part::Both)],
+        ];
+        for [one, other] in pairs {
+            let [first, second] = [(one, 0.0), (other, 1e-3)].map(|((i, f, p, part), off)| seen(i, f, p, part, off));
+            let mut filter = start();
+            let Ways { left, right } = reading(200).ways;
+            let half = Ways { left: left / 2.0, right: right / 2.0 };
+            filter.predict(&reading(100).ways);
+            filter.predict(&half);
+            filter.observe(&first.sighting, first.image);
+            filter.observe(&second.sighting, second.image);
+            filter.predict(&half);
+            for order in [[&first, &second], [&second, &first]] {
+                let mut timeline = timeline();
+                timeline.read(&reading(100)).unwrap();
+                timeline.read(&reading(200)).unwrap();
+                for one in order {
+                    assert!(timeline.observe(one).unwrap().is_some());
+                }
+                assert_eq!(timeline.estimate(), filter.estimate(), "{one:?} {other:?}");
+            }
+        }
+    }
+
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-6** What is no longer needed for TIME-5 MUST be *settled*: whenever the newest reading changes, all
+    //# readings that are at least 600 ms older than it, and the observations up to the last of these.
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-7** A reading or an observation that is not after what is settled, or after the timeline's begin where
+    //# nothing is, MUST be refused (`Late`).
     #[test]
     fn what_is_settled_is_not_taken_back() {
         let mut timeline = timeline();
@@ -459,6 +566,14 @@ mod tests {
     }
 
     /// A clock that is set back by 10 s: nothing is taken until it has caught up, or the timeline is restarted.
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-10** What is refused MUST change nothing but its counter, and the estimate's time never decrease: while
+    //# a clock that was set back has not caught up, everything is late.
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-11** A timeline MUST be restarted on demand at a given time: everything is settled, observations that
+    //# still wait are dropped and counted, and times count from the given one.
     #[test]
     fn a_clock_that_is_set_back_changes_nothing_until_it_has_caught_up() {
         let mut timeline = Timeline::new(start(), at(10_000));
@@ -476,6 +591,11 @@ mod tests {
         assert_eq!(timeline.read(&reading(100)), Ok(()));
     }
 
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-9** The queue MUST hold 16 readings and 8 observations, where there is no room the earliest readings
+    //# and the observations up to these being settled one after the other until there is, except the newest one, and
+    //# what would then be late, or finds no room even so, being refused (`Late`, `Full`).
     #[test]
     fn a_full_queue_settles_what_is_earliest() {
         // Sixteen readings within 600 ms, and a seventeenth.
@@ -495,6 +615,10 @@ mod tests {
         assert!(timeline.observe(&observation(41, 1)).is_ok());
     }
 
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-4** The estimate MUST be that of the newest reading's time; an observation after it waits for the
+    //# reading that reaches it.
     #[test]
     fn observations_that_wait_fill_the_queue() {
         let mut timeline = timeline();
@@ -530,6 +654,10 @@ mod tests {
         assert_eq!((timeline.counts().late, timeline.counts().full), (1, 1));
     }
 
+    //= reference/SPEC.md#locate
+    //= type=test
+    //# - **LOCATE-6** The skew MUST be that of the readings the timeline holds; where they do not reach back to the
+    //# upper row's time or on to the lower row's, it counts as at rest for what is missing.
     #[test]
     fn ways_are_parted_by_time() {
         let mut timeline = timeline();

@@ -40,6 +40,10 @@ pub fn decode<O: Observer>(pair: &Pair, view: &View<'_>, observer: &mut O) -> Re
 }
 
 /// Where the guard fit of a pair of extents starts (TRELLIS-1).
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-1** The *guard fit* MUST be FIT with all stripes of the code as spaces, without λ (`o' = g' = 0`, p = 4
+//# + 2 per layer), over both layers, with a `k` of 0 and the means of both extents' outer edges `first - 1/2` and `last
+//# + 1/2` as start.
 #[must_use]
 pub fn guard_start(pair: &Pair, camera: &Camera) -> Homography {
     let [upper, lower] = pair;
@@ -67,6 +71,11 @@ pub fn decode_after<O: Observer>(
 }
 
 /// Decodes a pair of ROIs again whose half words, read by a threshold in a shadow, make no code word (TRELLIS-9).
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-9** A pair of layers of which at least one was found by the local threshold and whose code word CODE-8
+//# refuses MUST be decided again as one of EXTENT-7's pairs: fitted under a step of light from the merged homography,
+//# with the half words as they were read and a blur of 1/2, and then as TRELLIS-6 to TRELLIS-8 say, each fit from the
+//# one before it, under a step of light.
 pub fn decode_again<O: Observer>(
     pair: &Pair,
     half_words: [u32; 2],
@@ -93,6 +102,12 @@ impl<'a> Trial<'a> {
     }
 
     /// TRELLIS-6, TRELLIS-7
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-6** Both layers MUST then be fitted with these half words (FIT) from the guard fit's `(a, s, k, σ)`,
+    //# and the half words be found again by the fit's model, and fitted from its `(a, s, k, σ)`, until they are the
+    //# same as before.
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-7** A pair MUST be refused (`Unsettled`) whose half words have changed after the third fit.
     fn settle<O: Observer>(
         &self,
         mut half_words: [u32; 2],
@@ -127,6 +142,9 @@ impl<'a> Trial<'a> {
     }
 
     /// TRELLIS-1 to TRELLIS-3
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, and be refused as FIT-12 and
+    //# FIT-13 otherwise say.
     fn guard_fit(&self, start: &Homography) -> Result<Fitted, CandidateRefusal> {
         let gap = self.code_pixels();
         let windows = self.pair.map(|extent| Window { gap: gap.clone(), ..self.window(&extent) });
@@ -144,6 +162,9 @@ impl<'a> Trial<'a> {
     }
 
     /// The pixels that may show a code stripe (TRELLIS-2), in integers: `2 N` times a column.
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-2** The guard fit MUST leave out the pixels whose middle lies between the outer edges of the code by
+    //# that start, or on one of them, after they are widened by 3/2 px on either side.
     fn code_pixels(&self) -> core::ops::Range<usize> {
         let [upper, lower] = self.pair;
         let (n, guard) = (self.format.stripes(), 2 * GUARD_PAIRS);
@@ -160,6 +181,11 @@ impl<'a> Trial<'a> {
     }
 
     /// TRELLIS-5
+    //= reference/SPEC.md#trellis
+    //# - **TRELLIS-5** The half word of a layer MUST be the one with the smallest sum of squared differences between
+    //# the pixels and their model (TRELLIS-11) over the layer's window but for the pixel of a step of light, found by
+    //# the Viterbi algorithm over states of 4 code stripes, a pixel being counted with the last code stripe of `w_ij >
+    //# 2^-8` as one that depends on this and the 4 code stripes before it.
     fn half_words(&self, imaging: &Imaging, lights: &[LayerLight]) -> [u32; 2] {
         [0, 1].map(|layer| {
             let window = self.window(&self.pair[layer]);
@@ -170,6 +196,8 @@ impl<'a> Trial<'a> {
 }
 
 /// The ink `w_ij` of every stripe in every pixel of a window (TRELLIS-4), stripes first.
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-4** The ink of stripe j in pixel i MUST be `w_ij = c(u_left) - c(u_right)`, of its two edges.
 #[must_use]
 pub fn weights(imaging: &Imaging, camera: &Camera, format: Format, pixels: (usize, usize)) -> Vec<Vec<f64>> {
     let middle = i32::try_from(format.stripes() / 2).unwrap_or(0);
@@ -269,6 +297,108 @@ mod tests {
         render(&Camera::epuck(), &scene, &mut ChaCha8Rng::seed_from_u64(seed)).unwrap()
     }
 
+    /// Outer edges at 99.5 and 100.5 at the left, and at 129.5 and 131.5 at the right: 100 and 130.5 in the mean.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-1** The *guard fit* MUST be FIT with all stripes of the code as spaces, without λ (`o' = g' = 0`, p
+    //# = 4 + 2 per layer), over both layers, with a `k` of 0 and the means of both extents' outer edges `first - 1/2`
+    //# and `last + 1/2` as start.
+    #[test]
+    fn the_guard_fit_starts_between_the_means() {
+        let pair = [Extent { first: 100, last: 129 }, Extent { first: 101, last: 131 }];
+        let Homography { a, s, k } = guard_start(&pair, &Camera::epuck());
+        assert!((a - (115.25 - 239.5)).abs() < 1e-12 && (s - 15.25).abs() < 1e-12 && k.abs() < 1e-15);
+    }
+
+    /// Of these 30.5 px the code is from 106.1 to 124.4, and with 3/2 px from 104.6 to 125.9. Of 40 px from 99.5 on it is from 107.5
+    /// to 131.5, and with 3/2 px from 106 to 133, which are the middles of pixels.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-2** The guard fit MUST leave out the pixels whose middle lies between the outer edges of the code by
+    //# that start, or on one of them, after they are widened by 3/2 px on either side.
+    #[test]
+    fn the_guard_fit_leaves_out_the_code() {
+        let left_out = |pair: Pair| {
+            let view = View {
+                lines: [&[], &[]],
+                camera: &Camera::epuck(),
+                landmark: &Landmark::new(Format::Paper),
+                rule: CrossingRule::Interpolated,
+                skew: Skew::at_rest(),
+            };
+            Trial::new(&pair, &view, Illumination::Even).code_pixels()
+        };
+        assert_eq!(left_out([Extent { first: 100, last: 129 }, Extent { first: 101, last: 131 }]), 105..126);
+        assert_eq!(left_out([Extent { first: 100, last: 139 }; 2]), 106..134);
+    }
+
+    /// A barcode of 22.1 px, 1.1 px per stripe, in the middle of the image.
+    const SMALL: (f64, Pair) = (0.87, [Extent { first: 229, last: 250 }; 2]);
+
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, and be refused as FIT-12 and
+    //# FIT-13 otherwise say.
+    #[test]
+    fn the_guard_fit_takes_five_steps_without_a_slope() {
+        let (distance, pair) = SMALL;
+        for seed in 0..20 {
+            let lines = lines(Format::Paper, 0xcc0d, (distance, 0.0, PI), Sensor { blur: 0.5, noise: 1.0 }, seed);
+            let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
+            let lines = lines.each_ref().map(Vec::as_slice);
+            let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated, skew: Skew::at_rest() };
+            let fitted = guard_fit(&pair, &guard_start(&pair, camera), &view).unwrap();
+            assert_eq!((fitted.steps, fitted.lights.len()), (5, 2));
+            let slopes = fitted.lights.iter().map(|light| light.offset_slope.abs() + light.gain_slope.abs());
+            assert!(slopes.sum::<f64>() < 1e-9, "{:?}", fitted.lights);
+            // 26 px of which 16 are left out, from 231.4 to 247.6, in two layers; 4 parameters and 2 of each layer.
+            assert_eq!(fitted.degrees_of_freedom, 2 * (26 - 16) - 8);
+        }
+    }
+
+    /// Half words that settle are those of their last fit, the third at the latest.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-6** Both layers MUST then be fitted with these half words (FIT) from the guard fit's `(a, s, k, σ)`,
+    //# and the half words be found again by the fit's model, and fitted from its `(a, s, k, σ)`, until they are the
+    //# same as before.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-7** A pair MUST be refused (`Unsettled`) whose half words have changed after the third fit.
+    #[test]
+    fn settled_half_words_have_been_fitted() {
+        #[derive(Default)]
+        struct Fits(u32);
+        impl Observer for Fits {
+            fn fitted(&mut self, _: Result<&Fitted, crate::refusal::FitRefusal>) {
+                self.0 += 1;
+            }
+        }
+        let (distance, pair) = SMALL;
+        let (mut settled, mut unsettled) = (0, 0);
+        for seed in 0..300 {
+            let lines = lines(Format::Paper, 0xcc0d, (distance, 0.0, PI), Sensor { blur: 1.0, noise: 25.0 }, seed);
+            let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
+            let lines = lines.each_ref().map(Vec::as_slice);
+            let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated, skew: Skew::at_rest() };
+            let mut fits = Fits::default();
+            match decode(&pair, &view, &mut fits) {
+                Ok(found) => {
+                    settled += 1;
+                    assert!((1..=3).contains(&fits.0));
+                    let trial = Trial::new(&pair, &view, Illumination::Even);
+                    assert_eq!(trial.half_words(&found.fitted.imaging, &found.fitted.lights), found.half_words);
+                }
+                Err(CandidateRefusal::Unsettled) => {
+                    unsettled += 1;
+                    assert_eq!(fits.0, 3);
+                }
+                Err(refusal) => assert_eq!(refusal, CandidateRefusal::NoFit),
+            }
+        }
+        assert!(settled > 0 && unsettled > 0, "{settled} {unsettled}");
+    }
+
     /// 1.5 mm at 640 px are 1.25 px wide at 76.8 cm: 98 % of them.
     #[test]
     fn stripes_of_five_quarters_of_a_pixel_are_read() {
@@ -286,6 +416,24 @@ mod tests {
         assert!(read.len() > 350 && 100 * count >= 98 * read.len(), "{count} of {}", read.len());
     }
 
+    /// SKEW-9: what the trellis alone can read is found at rest, and not by a camera that hardly moves.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-9** Of a moving camera TRELLIS MUST NOT be asked.
+    #[test]
+    fn a_moving_camera_does_not_ask_the_trellis() {
+        let (camera, rule) = (Camera::epuck(), CrossingRule::Interpolated);
+        let landmark = Landmark { stripe_height: 0.2, ..Landmark::new(Format::Paper) };
+        // 1.2 px per stripe: too narrow for HYPO-11.
+        let [upper, lower] = lines(Format::Paper, 0xcc0d, (0.8, 0.0, PI), Sensor { blur: 0.5, noise: 1.0 }, 3);
+        let found = |skew: &Skew| {
+            let found = crate::detect::detect_moving(&upper, &lower, &camera, &[landmark], rule, skew, &mut Silent);
+            found.iter().map(|one| (one.payload, one.decoder)).collect::<Vec<_>>()
+        };
+        assert_eq!(found(&Skew::at_rest()), [(0xcc0d, crate::merge::Decoder::Trellis)]);
+        assert_eq!(found(&Skew::of(Pose::new(0.0, 0.0, 0.0), 4)), []);
+    }
+
     fn is_read(format: Format, (upper, lower): (u32, u32), lines: &[Vec<u8>; 2]) -> bool {
         let found = lines.each_ref().map(|line| of_line(line, &threshold(line).unwrap(), format));
         let (camera, landmark) = (&Camera::epuck(), &Landmark::new(format));
@@ -297,6 +445,12 @@ mod tests {
 
     proptest! {
         /// The sum of squares of the word found is the least of all 4,096, up to the ink that a pixel is not counted with.
+        //= reference/SPEC.md#trellis
+        //= type=test
+        //# - **TRELLIS-5** The half word of a layer MUST be the one with the smallest sum of squared differences
+        //# between the pixels and their model (TRELLIS-11) over the layer's window but for the pixel of a step of
+        //# light, found by the Viterbi algorithm over states of 4 code stripes, a pixel being counted with the last
+        //# code stripe of `w_ij > 2^-8` as one that depends on this and the 4 code stripes before it.
         #[test]
         fn no_other_word_is_more_likely(values in proptest::collection::vec(20..220u8, 64), s in 11.0..16.0f64) {
             let (camera, format) = (Camera::epuck(), Format::Paper);
@@ -325,6 +479,9 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-4** The ink of stripe j in pixel i MUST be `w_ij = c(u_left) - c(u_right)`, of its two edges.
     #[test]
     fn the_ink_of_all_stripes_is_that_of_a_bar() {
         let imaging = Imaging { homography: Homography { a: 5.0, s: 14.0, k: 0.05 }, blur: 0.5 };

@@ -71,6 +71,8 @@ pub struct Place {
 
 impl Default for Place {
     /// Nothing around an e-puck, whose camera stands 3 cm ahead of the axle (OBSERVE-1).
+    //= reference/SPEC.md#observe
+    //# - **OBSERVE-1** The camera MUST by default be mounted 3 cm ahead of the axle's middle, looking ahead.
     fn default() -> Self {
         Self {
             camera: Camera::epuck(),

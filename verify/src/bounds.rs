@@ -24,10 +24,19 @@ use serde::Serialize;
 #[serde(rename_all = "lowercase")]
 pub enum Class {
     /// Identical (SAME-1).
+    //= reference/SPEC.md#same
+    //# - **SAME-1** Threshold, regions, hypotheses, crossings, refusals, decoded bits, pairs and payloads MUST be
+    //# identical in both pipelines, except after a marginal decision.
     Exact,
     /// Differ by no more than the bound (SAME-2).
+    //= reference/SPEC.md#same
+    //# - **SAME-2** Homographies, fits, covariances and poses MUST differ by no more than the bound that the error
+    //# budget derives.
     Bounded,
     /// Decisions: identical unless the reference's own margin is below the bound (SAME-3).
+    //= reference/SPEC.md#same
+    //# - **SAME-3** The decisions of HOMOG-3, SAMPLE-2 and SAMPLE-10 MUST be identical unless the reference's own
+    //# margin is below the reference's declared error.
     Marginal,
 }
 

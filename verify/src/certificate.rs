@@ -357,6 +357,9 @@ fn checks(findings: &Findings, renders: &[RenderResult]) -> Vec<Check> {
             verdict: Verdict::of(right == renders.len() && !renders.is_empty()),
         },
         Check {
+            //= reference/SPEC.md#range
+            //# - **RANGE-3** At 0° the detection rate of `paper` MUST be at least 99 % at every whole centimetre from
+            //# 10 to 45 cm.
             check: "RANGE-3: at least 99 % found frontally at every centimetre from 10 to 45",
             found: format!("{worst:.1} % at the worst centimetre"),
             verdict: Verdict::of(worst >= 99.0 && frontal(10..=45).count() == 36),

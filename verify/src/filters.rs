@@ -77,6 +77,15 @@ pub struct Filters {
     drive: Drive,
 }
 
+/// The same sight as each is told of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sightings {
+    /// The reference.
+    pub reference: reference::observation::Sighting,
+    /// The port.
+    pub port: fixedpoint::observation::Sighting,
+}
+
 /// What both made of a sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcomes {
@@ -151,8 +160,9 @@ impl Filters {
         self.port.predict(&ways);
     }
 
-    /// Both are shown a landmark of the first kind; `None` if the port cannot say where it saw it from (COV-4).
-    pub fn observe(&mut self, sight: &Sight, measure: Measure, image: u32) -> Option<Outcomes> {
+    /// What both are told of a landmark of the first kind; `None` if the port cannot say where it saw it from (COV-4).
+    #[must_use]
+    pub fn sightings(&self, sight: &Sight, measure: Measure) -> Option<Sightings> {
         let (place, landmark_in_world) = held_pose(&sight.landmark_in_world);
         let (homography, held_homography) = held_homography(&sight.homography);
         let (covariance, held_covariance) = held_covariance(&sight.covariance);
@@ -170,32 +180,44 @@ impl Filters {
                 (Seen::Pose(seen), fixedpoint::observation::Seen::Pose)
             }
         };
-        let port_sighting =
-            fixedpoint::observation::Sighting { place, landmark, pose, covariance: spread, seen: port_seen };
-        let sighting = reference::observation::Sighting {
+        let port = fixedpoint::observation::Sighting { place, landmark, pose, covariance: spread, seen: port_seen };
+        let reference = reference::observation::Sighting {
             landmark_in_world,
             landmark: reference_landmark,
             camera: self.cameras.reference,
             camera_in_robot: self.camera_in_robot,
             seen,
         };
+        Some(Sightings { reference, port })
+    }
+
+    /// Both are shown a landmark of the first kind; `None` if the port cannot say where it saw it from (COV-4).
+    pub fn observe(&mut self, sight: &Sight, measure: Measure, image: u32) -> Option<Outcomes> {
+        let sightings = self.sightings(sight, measure)?;
         Some(Outcomes {
-            reference: self.reference.observe(&sighting, u64::from(image)),
-            port: self.port.observe(&port_sighting, image),
+            reference: self.reference.observe(&sightings.reference, u64::from(image)),
+            port: self.port.observe(&sightings.port, image),
         })
     }
 
     /// How far they are from each other.
     #[must_use]
     pub fn apart(&self) -> Apart {
-        let estimate = self.reference.estimate();
-        let state = self.port.estimate();
-        let [x, y] = [state.pose.x, state.pose.y].map(|length| length.to_num::<f64>());
-        let theta = radians(state.pose.theta);
+        Apart::of(self.reference.estimate(), self.port.state())
+    }
+}
+
+impl Apart {
+    /// How far the port's state is from the reference's estimate.
+    #[must_use]
+    pub fn of(estimate: &reference::filter::Estimate, state: &fixedpoint::motion::State) -> Self {
+        let held = state.pose();
+        let [x, y] = [held.x, held.y].map(|length| length.to_num::<f64>());
+        let theta = radians(held.theta);
         let pose = &estimate.state.pose;
-        let found = matrix(&state.covariance);
+        let found = matrix(&state.covariance().pose());
         let known: Matrix3<f64> = estimate.covariance.fixed_view::<3, 3>(0, 0).into();
-        Apart {
+        Self {
             position: (pose.x() - x).hypot(pose.y() - y),
             heading: wrap(pose.theta() - theta).abs(),
             covariance: crate::lockstep::relative(&known, &found),

@@ -281,6 +281,9 @@ impl Comparison<'_> {
 
     /// What became of each pair of layers or extents (SAME-5), why it was refused aside (SAME-6). Where a decision differs
     /// that may, the later pairs of extents may be others (EXTENT-5); those that both have tried are compared all the same.
+    //= reference/SPEC.md#same
+    //# - **SAME-6** Why a candidate was refused by FIT, TRELLIS or ACCEPT MUST be reported, and is compared only where
+    //# no fit came before it.
     fn trials(&mut self, reference: &Trace, port: &Trace) {
         for r in &reference.trials {
             let Some(p) = port.trials.iter().find(|p| place_of_trial(p) == place_of_trial(r)) else { continue };
@@ -454,6 +457,10 @@ fn layer_at(trace: &Trace, trial: &TrialTrace, layer: Layer) -> Option<DecodedLa
 
 /// Whether the decision on a pair might have been another one by the bounds of what it was decided on (SAME-5): whether
 /// something that was asked is that near to its limit, and nothing fails by more.
+//= reference/SPEC.md#same
+//# - **SAME-5** The decisions of FIT, TRELLIS and ACCEPT MUST lead to the same detections unless the reference's own
+//# margin is below the bound of what it decides on, or the reference itself decides otherwise when its first fit begins
+//# up to 1/20 px away and its guard fit ends up to 1/20 of its standard deviations away.
 fn is_marginal(setting: &Setting, trial: &TrialTrace) -> bool {
     let margin = trial.tests.iter().find(|test| test.refusal == CandidateRefusal::Margin);
     // The tests after the fits are of the last one that was not refused.
@@ -613,6 +620,10 @@ mod tests {
     }
 
     /// SAME-6: after a fit either pipeline may say another reason, before it neither.
+    //= reference/SPEC.md#same
+    //= type=test
+    //# - **SAME-6** Why a candidate was refused by FIT, TRELLIS or ACCEPT MUST be reported, and is compared only where
+    //# no fit came before it.
     #[test]
     fn why_a_candidate_was_refused_is_compared_where_no_fit_came_before() {
         let (mut before, mut after) = (0, 0);
@@ -624,8 +635,9 @@ mod tests {
                 port.trials[i].refusal = other.map(|other| (decoder, other));
                 let mut tally = Tally::default();
                 compare(&setting(), FRAME, &reference, &port, &mut tally);
+                let compared = trial.fits.is_empty();
                 let (expected, count) =
-                    if trial.fits.is_empty() { (vec![Stage::Accept], &mut before) } else { (vec![], &mut after) };
+                    if compared { (vec![Stage::Accept], &mut before) } else { (vec![], &mut after) };
                 assert_eq!(tally.failing(), expected, "{trial:?}");
                 *count += 1;
                 port.trials[i] = trial;
@@ -661,6 +673,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#same
+    //= type=test
+    //# - **SAME-4** A frame with a margin below that error MUST be counted as marginal, whether the pipelines differ or
+    //# not.
     #[test]
     fn a_marginal_sample_is_counted_whether_it_differs_or_not() {
         for (differs, region) in [(0, Some(1)), (1, None)] {

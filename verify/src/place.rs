@@ -23,9 +23,14 @@ use reference::camera::Camera;
 use reference::landmark::Format;
 
 /// Default of the longest way without a readable landmark, metres (PLACE-2).
+//= reference/SPEC.md#place
+//# - **PLACE-2** The gap MUST by default be 1 m.
 pub const DEFAULT_GAP: f64 = 1.0;
 
 /// How much finer the check's step is than the program's (PLACE-7); odd, so that it keeps the program's samples.
+//= reference/SPEC.md#place
+//# - **PLACE-7** The result MUST be checked as the site that it is, by SITE-10 to SITE-13 at a fifth of the step, and
+//# be refused if its longest gap is above `G`.
 pub const REFINE: usize = 5;
 
 /// How often pairs that crowd each other in the image are excluded before it is given up (PLACE-6).
@@ -110,6 +115,9 @@ impl fmt::Display for PlaceError {
 impl core::error::Error for PlaceError {}
 
 /// Chooses landmarks along the site's route (PLACE-1 to PLACE-8).
+//= reference/SPEC.md#place
+//# - **PLACE-5** Of the choices that fulfil PLACE-3 and PLACE-4 one with the fewest landmarks MUST be taken, and from
+//# it, one landmark after the other exchanged as long as that makes more samples read.
 pub fn place(site: &Site, camera: &Camera, wish: &Wish) -> Result<Placement, PlaceError> {
     let route = site.route.as_ref().ok_or(PlaceError::NoRoute)?;
     if !(wish.gap.is_finite() && wish.gap > 0.0) {
@@ -190,6 +198,9 @@ impl<'a> Problem<'a> {
 
     /// Excludes pairs of chosen candidates that spoil each other in the image, and candidates that spoil, or are spoilt
     /// by, landmarks that are there already (PLACE-6). Whether there were any.
+    //= reference/SPEC.md#place
+    //# - **PLACE-6** Two landmarks that crowd each other in the image (SITE-11) from a sample of the route MUST be
+    //# excluded as a pair, if otherwise the check fails, and the choice made again.
     fn exclude_crowding(&self, cover: &mut Cover, chosen: &[usize]) -> bool {
         let mut any = false;
         for sample in self.samples {

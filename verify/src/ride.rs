@@ -123,6 +123,9 @@ impl Robots {
 }
 
 /// What is known when everything that arrived by the time of a reading was taken (ROUTE-2).
+//= reference/SPEC.md#route
+//# - **ROUTE-2** A sample MUST be what is believed when everything that has arrived by a reading's time was taken,
+//# beside where the robot is then.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// The reading's time.
@@ -153,6 +156,9 @@ impl<'a> Ride<'a> {
     }
 
     /// Gives all robots an event; the row of the reading before it, if this event arrived after that.
+    //= reference/SPEC.md#route
+    //# - **ROUTE-1** Both pipelines and the wheels alone MUST be given the same events in the order of their arrival,
+    //# of one time readings first, then images and observations: an image arrives when its processing ends.
     pub fn take(&mut self, event: &Event) -> Option<Row> {
         let row = if self.open.is_some_and(|open| Time::from(event.arrival()) > open) { self.close() } else { None };
         for (rider, taken) in self.riders.iter_mut().zip(&mut self.taken) {

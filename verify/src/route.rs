@@ -106,6 +106,9 @@ struct Alike {
 }
 
 impl Alike {
+    //= reference/SPEC.md#route
+    //# - **ROUTE-7** The pipelines' largest difference MUST be reported over all samples, and over those at which both
+    //# have decided alike on everything so far, or have both used observations at two samples since they last did not.
     fn after(&mut self, same: bool, used: bool) -> bool {
         self.used_since = if same { self.used_since.saturating_add(u32::from(used)) } else { 0 };
         self.used_since >= 2
@@ -160,6 +163,9 @@ pub struct Method {
 
 impl Method {
     /// The paper's: a pose by whole pixels, three states, the stamp of ERRATA-11.
+    //= reference/SPEC.md#errata
+    //# - **ERRATA-11** The image's time stamp MUST be the paper's, the middle of its processing, only in what
+    //# reproduces the paper.
     #[must_use]
     pub fn paper() -> Self {
         Self { states: States::Three, observe: Observe::Paper, stamp: Stamp::Processing }
@@ -273,4 +279,37 @@ pub fn runs(
     let by_number: Result<Vec<Vec<Run>>, RouteRefusal> = (0..count).into_par_iter().map(one).collect();
     let by_number = by_number?;
     Ok((0..methods.len()).map(|method| by_number.iter().map(|runs| runs[method].clone()).collect()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ride::Known;
+    use nalgebra::Matrix3;
+    use reference::exposure::Time;
+    use reference::frame::Pose;
+
+    /// The largest differences over all samples, and over those at which both had decided alike or had both used two since.
+    //= reference/SPEC.md#route
+    //= type=test
+    //# - **ROUTE-7** The pipelines' largest difference MUST be reported over all samples, and over those at which both
+    //# have decided alike on everything so far, or have both used observations at two samples since they last did not.
+    #[test]
+    fn what_follows_from_another_decision_counts_apart() {
+        let (mut run, mut alike) = (Run::default(), Alike { used_since: 2 });
+        let mut after = |apart: f64, used: [u64; 2]| {
+            let known = |x: f64| Known { pose: Pose::new(x, 0.0, 0.0), covariance: Matrix3::identity() };
+            let taken = used.map(|used| Taken { images: 1, used, gated: 1 - used, ..Taken::default() }).to_vec();
+            let row = Row { time: Time::default(), known: vec![known(0.0), known(apart)], taken, truth: None };
+            run.compare(&row, &mut alike);
+            [run.apart.0, run.apart_alike.0].map(|metres| format!("{:.0} mm", 1e3 * metres))
+        };
+        assert_eq!(after(0.001, [0, 0]), ["1 mm", "1 mm"]);
+        // Otherwise decided, and one sample that both use, and one that neither does.
+        assert_eq!(after(0.002, [1, 0]), ["2 mm", "1 mm"]);
+        assert_eq!(after(0.003, [1, 1]), ["3 mm", "1 mm"]);
+        assert_eq!(after(0.004, [0, 0]), ["4 mm", "1 mm"]);
+        // The second one that both use.
+        assert_eq!(after(0.005, [1, 1]), ["5 mm", "5 mm"]);
+    }
 }

@@ -67,6 +67,8 @@ const FILES: [(&str, &str); 3] = [
 ];
 
 /// The built-in scenario of this name, or else the one that a file describes (SCENARIO-1, SCENARIO-7).
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-7** `triangle` and `kidnap` MUST be known without a file.
 pub fn load(name: &Path) -> Result<Scenario, SiteError> {
     match BUILT_IN.iter().find(|(built_in, _)| Path::new(built_in) == name) {
         Some((_, file)) => {
@@ -84,6 +86,9 @@ fn built_in_file(path: &Path) -> Result<String, SiteError> {
 
 /// The scenario that a TOML text describes, under the name `path`; `read` gives the text of its site's file (SCENARIO-1,
 /// SCENARIO-2).
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-2** The site MUST be the path of a site file, from the scenario file's folder, or a table with the
+//# parts of one (SITE-1), and have a route.
 pub fn of_toml(
     text: &str,
     path: &Path,

@@ -165,6 +165,9 @@ impl Tally {
     }
 
     /// A decision whose margin is below the reference's declared error.
+    //= reference/SPEC.md#same
+    //# - **SAME-4** A frame with a margin below that error MUST be counted as marginal, whether the pipelines differ or
+    //# not.
     pub fn marginal(&mut self, stage: Stage) {
         self.stages.entry(stage).or_default().marginal += 1;
     }

@@ -174,3 +174,58 @@ fn product(x: i32, y: i32) -> Squares {
 fn twice(x: i32, y: i32) -> Squares {
     (x * y + (1 << 2)) >> 3
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// `f` of the module's equations, in floating point, where nothing is limited to [`LIMIT`].
+        #[test]
+        fn squares_are_those_of_the_changed_model(
+            residual in -250..250_i32,
+            changes in prop::array::uniform3(-80 << 6..80_i32 << 6),
+            limited in prop_oneof![Just(Limited::Not), Just(Limited::Bright), Just(Limited::Dark)],
+        ) {
+            let residual = residual << 6;
+            let after = |change: i32| {
+                let left = f64::from(residual - change) / 64.0;
+                let counted = match limited {
+                    Limited::Not => left,
+                    Limited::Bright => left.max(0.0),
+                    Limited::Dark => left.min(0.0),
+                };
+                counted * counted
+            };
+            let [j, i, h] = changes;
+            let exact = [
+                after(j) - after(0),
+                after(i + j) - after(i) - after(j) + after(0),
+                after(h + i + j) - after(h + i) - after(i + j) + after(i),
+            ];
+            let found = SeenPixel { residual, limited }.squares(changes);
+            for (found, exact) in found.into_iter().zip(exact) {
+                // Four products, each rounded to half of 2^-8.
+                prop_assert!((f64::from(found) / 256.0 - exact).abs() <= 2.0 / 256.0, "{} {}", found, exact);
+            }
+        }
+    }
+
+    #[test]
+    fn products_are_rounded_to_nearest() {
+        // Products of 12 fraction bits, to 8.
+        assert_eq!([7, 8, 9, -8, -9].map(|x| product(x, 1)), [0, 1, 1, 0, -1]);
+        assert_eq!([3, 4, 5, -4, -5].map(|x| twice(x, 1)), [0, 1, 1, 0, -1]);
+        assert_eq!([1, 2, 3, -2, -3].map(limited), [0, 1, 1, 0, -1]);
+    }
+
+    /// Of 2^9 grey levels the last value of 6 fraction bits of which a product is below 2^30.
+    #[test]
+    fn what_is_limited_has_products_below_30_bits() {
+        for (grey, sign) in [(i32::MAX - 2, 1), (i32::MIN, -1)] {
+            let size = limited(grey) * sign;
+            assert!(size * size < 1 << 30 && (size + 1) * (size + 1) >= 1 << 30, "{size}");
+        }
+    }
+}

@@ -93,6 +93,11 @@ fn a_good_view_is_a_detection() {
 
 /// `ACCEPT-2`: 1 px in `a` and `s`, `1/20 + 1/s` in `k`, here with `s` = 20 px: a tenth. The merged `s` changes by half of
 /// what the lower one does.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-2** Of a candidate of the threshold, both layers' homographies MUST agree within 1 px in `a` and in `s`
+//# and within `1/20 + 1/s` in `k`, to which the whole-pixel rule adds 1 px, 1 px and 1/s, and a layer of the local
+//# threshold as much (`Disagree`).
 #[test]
 fn layers_that_disagree_are_refused() {
     let drawn = drawn(view(2.0, 0.0));
@@ -114,6 +119,9 @@ fn the_local_threshold_gives_a_pixel_more() {
 }
 
 /// `ACCEPT-3`: `f |k| <= 3 s`.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-3** The obliquity MUST be one that a camera can see, `f |k| <= 3 s` (`Oblique`).
 #[test]
 fn what_no_camera_sees_is_too_oblique() {
     let camera = Camera::epuck();
@@ -129,6 +137,9 @@ fn what_no_camera_sees_is_too_oblique() {
     assert_eq!(oblique.accepted(), Err(CandidateRefusal::Oblique));
 }
 
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-4** Both gains MUST be at most -12 grey levels, and neither more than twice the other (`Contrast`).
 #[test]
 fn contrast_is_asked_of_both_layers() {
     let accepted = |gains: [f64; 2]| {
@@ -142,6 +153,9 @@ fn contrast_is_asked_of_both_layers() {
     assert_eq!(drawn(dim).accepted(), Err(CandidateRefusal::Contrast));
 }
 
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-5** The blur MUST be at most 1 px, and 0.9 px for TRELLIS (`Blur`).
 #[test]
 fn what_is_too_blurred_is_refused() {
     let blurred = |blur| drawn(View { blur, noise: 1.0, ..view(4.0, 0.0) });
@@ -151,6 +165,9 @@ fn what_is_too_blurred_is_refused() {
 }
 
 /// `ACCEPT-14`: mean gains of -160 and -150 allow a black of -20 and -18.75 grey levels, in either layer.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-14** Under even light `8 (o + g)` MUST be at least `ḡ` in both layers (`Contrast`).
 #[test]
 fn black_is_hardly_below_zero() {
     let possible = |blacks: [f64; 2], gains: [f64; 2], step| {
@@ -181,6 +198,10 @@ fn fitted_with(gains: [i32; 2]) -> Fitted {
 }
 
 /// `ACCEPT-6`: gains of -160 and -64 allow 100 + 9 and 16 + 9 squared grey levels, and by the trellis 25 + 9 and 4 + 9.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-6** The noise MUST be explained, `s² <= v` with `v = (ḡ/16)² + 9`, and `v = (ḡ/32)² + 9` for TRELLIS
+//# (`Misfit`).
 #[test]
 fn noise_that_is_not_explained_is_refused() {
     let explained_by = |limits: Limits, variance: f64, gains: [i32; 2]| {
@@ -199,6 +220,9 @@ fn noise_that_is_not_explained_is_refused() {
 }
 
 /// `ACCEPT-7`: gains of -80 ask for 6400/8 and 6400/4 squared grey levels.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-7** The decision margin MUST be at least `ḡ²/8`, and `ḡ²/4` for TRELLIS (`Margin`).
 #[test]
 fn margins_depend_on_the_decoder() {
     let fitted = fitted_with([-70, -90]);
@@ -209,6 +233,10 @@ fn margins_depend_on_the_decoder() {
 }
 
 /// `ACCEPT-13`: gains of -160 allow 2 sqrt(109) and 2 sqrt(34) grey levels, 5345.4 and 2985.5 in 2^-8.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-13** The model of a pixel of the value 255 that FIT-5 left out of a window MUST be at least `255 - 2
+//# sqrt(v)`, and that of one of the value 0 at most `2 sqrt(v)`, but for the pixel of a step of light (`Misfit`).
 #[test]
 fn limited_pixels_may_be_twice_the_noise_away() {
     let fitted = fitted_with([-160, -160]);
@@ -241,6 +269,11 @@ fn limited_pixels_are_those_of_the_model() {
 }
 
 /// `ACCEPT-15`: gains of -160 have `v` = 109 and by the trellis 34, of which 60 pixels allow ten times as much.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-15** What a barcode leaves unexplained MUST look like noise: of the `n` pixels that were fitted, less
+//# their model, the products of neighbours and those of pixels with one pixel between them, each summed over both
+//# layers, come to at most `n v/6` (`Correlated`).
 #[test]
 fn sums_of_products_are_a_sixth_of_the_noise_at_most() {
     let fitted = fitted_with([-150, -170]);
@@ -314,6 +347,11 @@ fn a_displaced_model_is_no_noise() {
 }
 
 /// `ACCEPT-16` of either layer and decoder: at 4 px per stripe `q` is 7, so that a bar may begin at 279 + 8.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-16** Of the nearest `4 q` pixels on either side of each layer's ROI or extent, with `q` the least number
+//# for which `N (q + 1) >= 2 e`, the nearest `q` MUST be white, or else those before one of them white, and it and all
+//# others dark (`QuietZone`).
 #[test]
 fn a_quiet_zone_is_asked_of_both_layers() {
     let quiet_zone = Err(CandidateRefusal::QuietZone);
@@ -334,6 +372,13 @@ fn a_quiet_zone_is_asked_of_both_layers() {
 }
 
 /// `ACCEPT-9`: of two reasons the first is reported.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-9** ACCEPT-2 to ACCEPT-4, ACCEPT-14, ACCEPT-5, ACCEPT-6, ACCEPT-13, ACCEPT-15, ACCEPT-16 and ACCEPT-7
+//# MUST be asked in this order, and the first that fails be reported.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-12** A candidate MUST be refused (`Undetermined`) by COV-4 last.
 #[test]
 fn the_first_reason_is_reported() {
     let refused = |drawn: &Drawn| drawn.accepted().unwrap_err();
@@ -355,6 +400,11 @@ fn the_first_reason_is_reported() {
     assert_eq!(refused(&merged), CandidateRefusal::QuietZone);
 }
 
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-10** A candidate of the threshold whose fits both are refused MUST be accepted by ACCEPT-2 and ACCEPT-3
+//# alone, on its merged homography, with the paper's estimate and covariance (COV-5), and say so, if the global
+//# threshold found both layers, and otherwise be refused (`NoFit`).
 #[test]
 fn a_threshold_s_candidate_without_a_fit_is_the_paper_s() {
     // All pixels at their limits: there are none to fit.
@@ -378,6 +428,10 @@ fn a_threshold_s_candidate_without_a_fit_is_the_paper_s() {
 }
 
 /// A step of light inside the barcode misfits under even light and is explained by the second fit.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-1** A candidate of the threshold MUST be fitted (FIT) from its merged homography, under even light, and
+//# if that is refused or ACCEPT-6 would refuse it, under a step of light.
 #[test]
 fn a_step_of_light_is_fitted_second() {
     let mut shadowed = drawn(view(5.0, 0.0));
@@ -450,6 +504,10 @@ fn true_fit(drawn: &Drawn) -> Fitted {
 
 /// `TRELLIS-11` in `ACCEPT-8`: white of 300 grey levels is seen as 255, black of -45 as 0. What is left
 /// of the contrast, 195 of 240, still decides. The errors of the next test, of 240 grey levels in up to 8 pixels.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-11** In TRELLIS-5 and ACCEPT-8 the model of a pixel of the value 255 MUST count as at most 255, and that
+//# of one of the value 0 as at least 0, since RENDER-5 limits what is brighter or darker.
 #[test]
 fn limited_pixels_count_in_the_margin() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -473,6 +531,11 @@ fn limited_pixels_count_in_the_margin() {
 /// Each pixel's residual and change are rounded to 2^-7, besides 2^-8 and 2^-15 of 160 grey levels of a product, 2^-9 and
 /// 2^-9 of the light and 1.5e-4 of 160 grey levels for the ink of each edge: together below 0.1 grey levels. A change of
 /// at most 160 in at most 12 pixels a few of which it fills is off by at most 2 * 0.1 * 160 * 5.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-8** The decision margin MUST be the least change of the sum of squares over both layers and over the
+//# changes of one code stripe, of two neighbours that differ and of three neighbours of which each differs from the
+//# next, all other parameters kept and the pixel of a step of light left out.
 #[test]
 fn the_margin_is_the_least_of_all_changes() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -562,6 +625,11 @@ fn each_layer_of_a_moving_camera_is_fitted_alone() {
 }
 
 /// `SKEW-7`: what is asked of a fit is asked of each, the upper one first.
+//= reference/SPEC.md#skew
+//= type=test
+//# - **SKEW-7** The layers of a moving camera MUST each be fitted alone from their own homography as ACCEPT-1 says, the
+//# fit of each be asked ACCEPT-3 to ACCEPT-9 and ACCEPT-12 to ACCEPT-17 alone, the upper one first, and both together
+//# ACCEPT-4's ratio of the gains before that; where either has no fit, ACCEPT-10 decides.
 #[test]
 fn each_layer_of_a_moving_camera_is_asked() {
     let good = || drawn(view(4.0, 0.0));
@@ -604,6 +672,11 @@ fn a_moving_layer_without_a_fit_leaves_the_paper_s_estimate() {
 }
 
 /// `SKEW-8`: the upper layer's `a`, the mean of `s` and `k`, the lower layer's less the shift.
+//= reference/SPEC.md#skew
+//= type=test
+//# - **SKEW-8** What a detection of a moving camera says MUST be what is seen at the upper row's time: by the upper
+//# layer's fit, or without a fit by MERGE-4's mean of `s` and `k`, the lower layer's less the shift, and the upper
+//# layer's `a`.
 #[test]
 fn the_merged_homography_of_a_moving_camera_is_seen_from_the_upper_row() {
     let mut limited = drawn(view(4.0, 0.0));

@@ -4,7 +4,8 @@
 ///
 /// The relative error is below 2^-13: `2^-24 · ln 2` from the exponent, 1.6e-6 from the series `2^f = Σ (f ln 2)^n/n!` to the
 /// seventh power, and the rest from the result's last bit.
-pub(super) fn exp(value: i64) -> i64 {
+#[must_use]
+pub fn exp(value: i64) -> i64 {
     const BY_LN_2: i64 = 1_549_082_005; // 30 fraction bits
     /// `(ln 2)^n/n!` with 30 fraction bits, from the highest power.
     const POWERS: [i64; 8] = [16_377, 165_394, 1_431_680, 10_327_387, 59_597_083, 257_941_248, 744_261_118, 1 << 30];
@@ -20,7 +21,8 @@ pub(super) fn exp(value: i64) -> i64 {
 /// `sin(π value/2^31)` with 30 fraction bits.
 ///
 /// The error is below 2^-23: 5e-8 from the series to the eleventh power at a right angle, and 6 roundings of 2^-26.
-pub(super) fn sin(value: i32) -> i64 {
+#[must_use]
+pub fn sin(value: i32) -> i64 {
     /// `(-1)^n π^(2n+1)/(2n+1)!` with 26 fraction bits, from the highest power.
     const POWERS: [i64; 6] = [-494_621, 5_512_717, -40_215_962, 171_138_612, -346_799_334, 210_828_714];
     // sin(π - x) = sin x: beyond a right angle, the rest to π.
@@ -40,6 +42,12 @@ mod tests {
 
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn exponentials_are_limited() {
+        assert_eq!(exp(1 << 40), exp((103 << 24) / 10));
+        assert_eq!(exp(-(1 << 40)), 0);
+    }
 
     proptest! {
         #[test]

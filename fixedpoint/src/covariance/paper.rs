@@ -14,6 +14,10 @@ use crate::ratio;
 /// in m, at most 1. The inclination is the heading minus π, so that its double is that of the heading.
 ///
 /// Relative errors: 2^-12 of the variances, of which 25.7 · 2^-24 from `d`; 2^-22 of the axis.
+//= reference/SPEC.md#cov
+//# - **COV-5** The covariance of the paper's estimate MUST be that of (11) in the position, along the axis `(-sin 2η,
+//# cos 2η)` with the inclination η (ERRATA-6) and across it, d at most 1 m; the heading turns with the polar angle, `δθ
+//# = (x δy - y δx)/d²`, to which a variance of `1/(12 f²)` of the bearing is added.
 #[must_use]
 pub fn paper(pose: &Pose<frame::Landmark, frame::Camera>, camera: &Camera) -> PoseCovariance {
     let (x, y) = (i64::from(pose.x.to_bits()), i64::from(pose.y.to_bits())); // 24 fraction bits

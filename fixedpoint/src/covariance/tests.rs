@@ -103,6 +103,18 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     /// From the best view at 10 cm to one of which the heading is hardly known.
+    //= reference/SPEC.md#cov
+    //= type=test
+    //# - **COV-1** The distribution of `(a, s, k)` MUST be split into that of `k` and that of `(a, s)` given `k`, whose
+    //# mean moves by `Σ_{as,k}/Σ_kk` per unit of k and whose covariance is `Σ_as - Σ_{as,k} Σ_{k,as}/Σ_kk`.
+    //= reference/SPEC.md#cov
+    //= type=test
+    //# - **COV-2** The mean of a fitted pose MUST be the mean of POSE over the five Gauss-Hermite nodes of `k`, at the
+    //# mean of `(a, s)` given each.
+    //= reference/SPEC.md#cov
+    //= type=test
+    //# - **COV-3** Its covariance MUST be that of the five nodes about their mean, plus the mean over the nodes of the
+    //# covariance of `(a, s)` given `k` carried through the derivatives of POSE by `a` and `s`.
     #[test]
     fn a_pose_carries_its_covariance(
         a in -180.0..180.0_f64,
@@ -139,6 +151,10 @@ proptest! {
         }
     }
 
+    //= reference/SPEC.md#cov
+    //= type=test
+    //# - **COV-4** The pose and the covariance that a detection reports MUST be these, and a fit count as undetermined
+    //# if `f sqrt(Σ_kk) > s/4`, where the heading is so uncertain that no Gaussian can say it.
     #[test]
     fn an_uncertain_heading_is_refused(s in 5.0..200.0_f64, share in 0.5..1.5_f64) {
         prop_assume!((share - 1.0).abs() > 1e-3);
@@ -147,6 +163,11 @@ proptest! {
         prop_assert_eq!(transformed.is_err(), share > 1.0);
     }
 
+    //= reference/SPEC.md#cov
+    //= type=test
+    //# - **COV-5** The covariance of the paper's estimate MUST be that of (11) in the position, along the axis `(-sin
+    //# 2η, cos 2η)` with the inclination η (ERRATA-6) and across it, d at most 1 m; the heading turns with the polar
+    //# angle, `δθ = (x δy - y δx)/d²`, to which a variance of `1/(12 f²)` of the bearing is added.
     #[test]
     fn the_papers_covariance_is_that_of_the_specification(
         distance in 0.05..1.4_f64,
@@ -177,4 +198,17 @@ proptest! {
             }
         }
     }
+}
+
+/// Half a barcode of 2^-20 px is farther away than the format holds, on its side: 2^63 half widths of 15 mm, 2^-6.06 m.
+#[test]
+fn what_is_out_of_reach_is_far_on_its_side() {
+    let camera = Camera::epuck();
+    let node = |a: i32, s: i32| {
+        let homography = Homography { a: Column::from_bits(a), s: Column::from_bits(s), k: Obliquity::ZERO };
+        node::Node::at(&homography, &camera, &Landmark::paper())
+    };
+    let (left, right) = (node(i32::MAX, 1), node(i32::MIN, 1));
+    assert!(left.x > 1 << 56 && left.y < -(1 << 56) && right.x > 1 << 56 && right.y > 1 << 56);
+    assert!(node(0, -1).x < -(1 << 56) && node(0, 0).x > 1 << 56);
 }

@@ -117,6 +117,13 @@ impl Observer for Recorder {
 }
 
 /// The left edge is at 99.5 px and the stripes are 4 px wide: everything about the landmark is known.
+//= reference/SPEC.md#code
+//= type=test
+//# - **CODE-3** Bits MUST become stripes by NRZ: 1 is a bar (black), 0 a space (white).
+//= reference/SPEC.md#code
+//= type=test
+//# - **CODE-4** The first half of the code word MUST stand on the upper layer and the second half on the lower, each
+//# from left to right as seen.
 #[test]
 fn an_ideal_landmark_is_found() {
     for rule in RULES {
@@ -138,6 +145,14 @@ fn an_ideal_landmark_is_found() {
     }
 }
 
+//= reference/SPEC.md#line
+//= type=test
+//# - **LINE-4** Several formats MUST be searched one after the other, each as if it were the only one but for EXTENT-5,
+//# before MERGE-7 compares them.
+//= reference/SPEC.md#line
+//= type=test
+//# - **LINE-5** The upper line MUST be searched before the lower one, each in all formats by its global threshold
+//# (THRESH-1) and then in all formats by its local one (THRESH-6).
 #[test]
 fn events_come_in_their_order() {
     let lines = Lines::white().with(Format::Wide, 0x00F2_0183, 100, 4);
@@ -174,6 +189,10 @@ fn events_come_in_their_order() {
     assert_eq!(both[22..], expected[14..]);
 }
 
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-8** Each format MUST report its detections in the order of MERGE-5, those of TRELLIS after them, and the
+//# formats in the order in which they were asked for.
 #[test]
 fn formats_report_in_the_order_they_were_asked_for() {
     let lines = Lines::white().with(Format::Paper, 0xBEEF, 300, 4).with(Format::Wide, 0xC0_FFEE, 20, 4);
@@ -186,6 +205,12 @@ fn formats_report_in_the_order_they_were_asked_for() {
     assert_eq!(payloads(&[]), [0; 0]);
 }
 
+//= reference/SPEC.md#line
+//= type=test
+//# - **LINE-2** A scan line whose length is not the camera's width MUST be refused (`Width`).
+//= reference/SPEC.md#line
+//= type=test
+//# - **LINE-3** A refusal on one scan line MUST NOT change the results of the other.
 #[test]
 fn a_refused_line_does_not_change_the_other() {
     let mut lines = Lines::white().with(Format::Wide, 0x00F2_0183, 100, 4);
@@ -252,6 +277,10 @@ fn a_landmark_at_a_shadow_s_edge_is_found() {
 }
 
 /// The landmark in the light is found by the global threshold, the one in the shadow, at its left, by the local one.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-6** Layers MUST be ordered as their seeds were taken, those of the global threshold before those of the
+//# local one.
 #[test]
 fn layers_of_the_global_threshold_come_first() {
     let lines = Lines::white().with(Format::Paper, 0x1234, 100, 3).with(Format::Paper, 0xBEEF, 300, 4);
@@ -288,6 +317,10 @@ fn row(numbers: Range<u32>) -> Lines {
     numbers.fold(Lines::white(), add)
 }
 
+//= reference/SPEC.md#decode
+//= type=test
+//# - **DECODE-2** A line MUST give no layers of a format of which it has more than 8 by both thresholds together, and
+//# the search in that format end with the ninth (`TooManyLayers`).
 #[test]
 fn nine_layers_in_a_line_are_too_many() {
     let eight = row(0..8).detect(&BOTH, CrossingRule::Interpolated, &mut Silent);
@@ -361,6 +394,10 @@ fn a_seen_landmark_is_found_with_its_pose() {
 }
 
 /// The first threshold's candidate, and where it is found no extents are tried; without threshold extents alone.
+//= reference/SPEC.md#extent
+//= type=test
+//# - **EXTENT-5** A pair of which an extent shares a pixel with the same line's ROI or extent of a detection of any
+//# format MUST be left out.
 #[test]
 fn extents_are_tried_where_nothing_was_found() {
     let of = |pixels: f64| {

@@ -27,6 +27,11 @@ fn the_table_holds_the_tails() {
 }
 
 proptest! {
+    //= reference/SPEC.md#edge
+    //= type=test
+    //# - **EDGE-1** The ink that an edge from white at its left to black at its right brings to a pixel whose middle is
+    //# `u` px to the right of it MUST be `c(u) = ρ(u + 1/2) - ρ(u - 1/2)` with `ρ(t) = t Φ(t/σ) + σ φ(t/σ)`, σ the
+    //# blur, Φ the normal distribution and φ its density (RENDER-1, RENDER-2).
     #[test]
     fn an_edge_is_that_of_the_specification(t in -7.0..7.0_f64, sigma in 0.2..1.2_f64) {
         let blur = Blur::new(Column::from_num(sigma));
@@ -37,6 +42,10 @@ proptest! {
         prop_assert!((unit(found.density) - density(t / sigma)).abs() < 4e-4, "{:?}", found);
     }
 
+    //= reference/SPEC.md#edge
+    //= type=test
+    //# - **EDGE-2** The ink of a pixel MUST be the sum of `c` over all edges of a layer from white to black less that
+    //# over all edges from black to white.
     #[test]
     fn ink_is_that_of_the_specification(u in -7.0..7.0_f64, sigma in 0.2..1.2_f64) {
         let found = ink((u * 65_536.0).round() as i32, &Blur::new(Column::from_num(sigma)));

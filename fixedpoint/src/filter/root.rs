@@ -6,25 +6,25 @@ use crate::motion::{STATES, StateCovariance};
 use crate::ratio;
 
 /// Fraction bits of a root's entries.
-pub(super) const ROOT_BITS: u8 = 48;
+pub const ROOT_BITS: u8 = 48;
 
 /// Fraction bits of a normalised observation, whose noise has the variance 1.
-pub(super) const NORMAL_BITS: u8 = 28;
+pub const NORMAL_BITS: u8 = 28;
 
 /// `L` of `P = L Lᵀ`, whatever its shape; rows and columns from `size` on are 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Root {
+pub struct Root {
     rows: [[i64; STATES]; STATES],
     size: usize,
 }
 
 /// What observations so far change, and how unlikely they were.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Correction {
+pub struct Correction {
     /// Of x, y, the heading, `e` and `g` in the covariance's units, 40 fraction bits.
-    pub(super) moved: [i64; STATES],
+    pub moved: [i64; STATES],
     /// `νᵀ S⁻¹ ν`, 20 fraction bits.
-    pub(super) nis: i64,
+    pub nis: i64,
 }
 
 impl Root {
@@ -32,7 +32,8 @@ impl Root {
     ///
     /// Errors: 2^-49 of the entries, so that a pivot is off by up to 2^-44, which is a deviation of 0.2 µm; a pivot that comes
     /// out negative is 0.
-    pub(super) fn of(covariance: &StateCovariance, size: usize) -> Self {
+    #[must_use]
+    pub fn of(covariance: &StateCovariance, size: usize) -> Self {
         let mut root = Self { rows: [[0; STATES]; STATES], size };
         for j in 0..size {
             let pivot = square_root(root.reduced(covariance, j, j));
@@ -54,12 +55,14 @@ impl Root {
     }
 
     /// A row.
-    pub(super) fn row(&self, i: usize) -> &[i64] {
+    #[must_use]
+    pub fn row(&self, i: usize) -> &[i64] {
         self.rows.get(i).map_or(&[], |row| row.as_slice())
     }
 
     /// An entry.
-    pub(super) fn entry(&self, i: usize, j: usize) -> i64 {
+    #[must_use]
+    pub fn entry(&self, i: usize, j: usize) -> i64 {
         self.row(i).get(j).copied().unwrap_or_default()
     }
 
@@ -75,7 +78,7 @@ impl Root {
     /// With `f = Lᵀ h` and `s = 1 + f · f` the state moves by `L f/s` times the innovation, and `L` becomes
     /// `L (I - f fᵀ/(s + √s))`, of which the square is `L (I - f fᵀ/s) Lᵀ`. Errors: 2^-27 of a row's length, however small the
     /// row becomes; 2^-27 of the correction.
-    pub(super) fn observe(&mut self, by: &[i64; 3], seen: i64, correction: &mut Correction) {
+    pub fn observe(&mut self, by: &[i64; 3], seen: i64, correction: &mut Correction) {
         let innovation = by
             .iter()
             .zip(correction.moved)
@@ -115,7 +118,8 @@ impl Root {
     }
 
     /// `L Lᵀ`, each row of `L` rounded to 29 bits; then errors of half a unit, for which the variances get 3.
-    pub(super) fn covariance(&self) -> StateCovariance {
+    #[must_use]
+    pub fn covariance(&self) -> StateCovariance {
         let mut exponents = [0_i32; STATES];
         let mut mantissas = [[0_i64; STATES]; STATES];
         for ((row, exponent), mantissa) in self.rows.iter().zip(&mut exponents).zip(&mut mantissas) {
@@ -137,7 +141,8 @@ impl Root {
 /// The square root of a variance with 56 fraction bits, with [`ROOT_BITS`]; 0 of what is not positive.
 ///
 /// The whole root of the variance, scaled up, and one step of Newton's method for 29 bits more: error 2^-48.9.
-fn square_root(variance: i64) -> i64 {
+#[must_use]
+pub fn square_root(variance: i64) -> i64 {
     let Ok(variance) = u64::try_from(variance.max(0)) else { return 0 };
     let up = variance.leading_zeros() & !1;
     let Some(normal) = variance.checked_shl(up) else { return 0 };
@@ -146,4 +151,28 @@ fn square_root(variance: i64) -> i64 {
     let fraction = (rest << 28).checked_div(whole).unwrap_or(0);
     let root = i64::try_from((whole << 29) + fraction).unwrap_or_default();
     ratio::dropped(root, u8::try_from(9 + up / 2).unwrap_or(62))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn roots_of_squares_are_exact() {
+        // 2^-8, 1/2, 1, 3 and 8; nothing negative has a root.
+        let variances = [1 << 40, 1 << 54, 1 << 56, 9 << 56, 1 << 62].map(square_root);
+        assert_eq!(variances, [1 << 40, 1 << 47, 1 << 48, 3 << 48, 1 << 51]);
+        assert_eq!([0, -1, i64::MIN].map(square_root), [0; 3]);
+    }
+
+    proptest! {
+        #[test]
+        fn roots_keep_to_the_stated_error(variance in 1_i64..1 << 56, fewer in 0_u32..56) {
+            let variance = (variance >> fewer).max(1);
+            let exact = (variance as f64 / 2_f64.powi(56)).sqrt();
+            let error = square_root(variance) as f64 / 2_f64.powi(48) - exact;
+            prop_assert!(error.abs() <= 2_f64.powf(-48.9), "{}", error);
+        }
+    }
 }

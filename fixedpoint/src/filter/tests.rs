@@ -240,6 +240,23 @@ fn seen(sighting: &Sighting) -> [f64; 3] {
 }
 
 /// Random states in the declared domain: deviations from 10 µm to 2 m, 50 µrad to π, 1e-6 to 0.05, and any correlations.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-2** An observation MUST be linearised at the estimate and again towards where that leads (FILTER-9),
+//# until the position moves by less than 2e-5 m along x and y together and the heading by less than 2e-5 rad, 10 times
+//# at most.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-3** The innovation MUST be `ν = z - h(x_i) + H (x_i - x_0)`, its covariance `S = H P Hᵀ + R`, and the
+//# estimate `x_0 + P Hᵀ S⁻¹ ν`, with `R` the noise and MOTION-7's, angles the short way round.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-4** An observation MUST be used if its linearisations end before or with the tenth, if its NIS, `νᵀ S⁻¹
+//# ν` at the last one, is at most 16.266 *(1 in 1,000 of a chi-square of three)*, and if its landmark's centre is at
+//# least 2^-8 m in front of the camera wherever it is linearised.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-5** The covariance MUST become `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, or what is the same without rounding.
 #[test]
 fn an_update_is_that_of_the_specification() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -307,6 +324,10 @@ fn an_update_is_that_of_the_specification() {
     assert!(used > 3000 && gated > 100, "{used} {gated}");
 }
 
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-7** A candidate on which observations of two images agree MUST replace the estimate *(choice: both layers
+//# of an image share a check byte)*.
 #[test]
 fn recovery_takes_two_images() {
     let place = [1.0, 0.0, PI];
@@ -330,6 +351,13 @@ fn recovery_takes_two_images() {
     assert_eq!(filter.counts().used, 1);
 }
 
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-6** An observation that is not used MUST become the candidate, its pose and covariance by OBSERVE-2 and
+//# of `e` and `g` what the filter knows, unless it agrees with the candidate there is by FILTER-4 and is used for that.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-8** An observation that is used MUST end the candidate.
 #[test]
 fn candidates_that_disagree_or_are_outdated_do_not_recover() {
     let place = [1.0, 0.0, PI];
@@ -383,6 +411,9 @@ fn is_semidefinite(covariance: &Matrix) -> bool {
 }
 
 /// A robot that turns on the spot and drives to and fro before two landmarks, 3,000 sightings.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-1** The wheels' ways MUST move the state, and the candidate of FILTER-6 if there is one, by MOTION.
 #[test]
 fn a_long_route_keeps_its_covariance_and_its_way() {
     let mut random = ChaCha8Rng::seed_from_u64(17);

@@ -19,6 +19,16 @@ const GATE: i64 = 17_056_137;
 ///
 /// The three numbers of a sighting, normalised by the Cholesky root of their noise, are observed one after the other: the
 /// same estimate, covariance and NIS as all at once.
+//= reference/SPEC.md#filter
+//# - **FILTER-2** An observation MUST be linearised at the estimate and again towards where that leads (FILTER-9),
+//# until the position moves by less than 2e-5 m along x and y together and the heading by less than 2e-5 rad, 10 times
+//# at most.
+//= reference/SPEC.md#filter
+//# - **FILTER-4** An observation MUST be used if its linearisations end before or with the tenth, if its NIS, `νᵀ S⁻¹
+//# ν` at the last one, is at most 16.266 *(1 in 1,000 of a chi-square of three)*, and if its landmark's centre is at
+//# least 2^-8 m in front of the camera wherever it is linearised.
+//= reference/SPEC.md#filter
+//# - **FILTER-5** The covariance MUST become `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, or what is the same without rounding.
 pub(super) fn updated(prior: &State, linearise: impl Fn(&State) -> Option<Linearised>) -> Option<State> {
     let before = Root::of(&prior.covariance, prior.covariance.uncertain());
     let mut root = before;
@@ -61,6 +71,10 @@ struct Pace {
 
 impl Pace {
     /// The next place to linearise at, after one that leads from a place to another.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-9** Each further linearisation MUST be the share `ω` of the way from the one before to where that
+    //# leads, `ω` being 1 at first and then `ω/(1 - r)` within 1/4 and 4, or 4 if `r >= 1`, with `r = d·d'/(d'·d')` of
+    //# this way `d` and the way before, `d'`, in metres and radians.
     fn next(&mut self, from: [i64; STATES], to: [i64; STATES]) -> [i64; STATES] {
         let mut next = from;
         let way = [0, 1, 2].map(|i| to.get(i).zip(from.get(i)).map_or(0, |(to, from)| to.saturating_sub(*from)));
@@ -105,6 +119,9 @@ impl Normal {
     /// Of a sighting linearised where the state has moved by `from`: `ν = z - h(x_i) + H (x_i - x_0)` (`FILTER-3`).
     ///
     /// Errors: 2^-28 of a standard deviation, and 2^-27 of the results.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-3** The innovation MUST be `ν = z - h(x_i) + H (x_i - x_0)`, its covariance `S = H P Hᵀ + R`, and the
+    //# estimate `x_0 + P Hᵀ S⁻¹ ν`, with `R` the noise and MOTION-7's, angles the short way round.
     fn of(linearised: &Linearised, from: [i64; 5]) -> Option<Self> {
         let noise = Root::of(&linearised.noise, 3);
         let mut normal = Self::default();
@@ -135,6 +152,11 @@ mod tests {
     use super::*;
 
     /// `FILTER-9`, with the ways of x, y, the heading, `e` and `g` with 40 fraction bits.
+    //= reference/SPEC.md#filter
+    //= type=test
+    //# - **FILTER-9** Each further linearisation MUST be the share `ω` of the way from the one before to where that
+    //# leads, `ω` being 1 at first and then `ω/(1 - r)` within 1/4 and 4, or 4 if `r >= 1`, with `r = d·d'/(d'·d')` of
+    //# this way `d` and the way before, `d'`, in metres and radians.
     #[test]
     fn the_next_linearisation_is_where_the_ways_lead() {
         let unit = 1_i64 << 40;

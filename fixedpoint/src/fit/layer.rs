@@ -47,6 +47,9 @@ pub(super) struct LayerModel<'a> {
 
 impl<'a> LayerModel<'a> {
     /// The window and the start of a layer (`FIT-1`, `FIT-7`).
+    //= reference/SPEC.md#fit
+    //# - **FIT-1** The window of a layer MUST be the pixels from `first - P` to `last + P` within the line, with `P =
+    //# min(4, floor(2 e/N))` and `e` the ROI's extent.
     #[inline(never)] // likewise
     pub(super) fn new(
         layer: &FitLayer<'a>,
@@ -87,6 +90,8 @@ impl<'a> LayerModel<'a> {
     }
 
     /// The pixels of the window and their values, `None` for those that are left out (`FIT-4`, `FIT-5`, `TRELLIS-2`).
+    //= reference/SPEC.md#fit
+    //# - **FIT-5** Pixels of the value 0 or 255 MUST be left out, since RENDER-5 limits them.
     fn values(&self) -> impl Iterator<Item = (u16, Option<u8>)> {
         let window = self.line.get(usize::from(self.first)..=usize::from(self.last)).unwrap_or(&[]);
         (self.first..).zip(window).map(|(pixel, &value)| {
@@ -102,6 +107,9 @@ impl<'a> LayerModel<'a> {
     }
 
     /// Whether their values differ by 12 grey levels or more (`FIT-12`).
+    //= reference/SPEC.md#fit
+    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that
+    //# are not left out all lie within less than 12 grey levels.
     pub(super) fn has_contrast(&self) -> bool {
         let values = || self.values().filter_map(|(_, value)| value);
         let (darkest, brightest) = (values().min().unwrap_or(0), values().max().unwrap_or(0));
@@ -109,6 +117,9 @@ impl<'a> LayerModel<'a> {
     }
 
     /// The layer's normal equations, its own parameters eliminated (`FIT-8`); `None` if they are not positive definite.
+    //= reference/SPEC.md#fit
+    //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of the normal equations from which each layer's own
+    //# parameters have been eliminated, with 2^-8 added to the diagonal of the eliminated block.
     #[inline(never)] // its stack is not the others'
     pub(super) fn equations(
         &self,
@@ -147,6 +158,12 @@ impl<'a> LayerModel<'a> {
 
     /// `λ_i` in 2^-12 (`FIT-3`, `FIT-4`), rounded towards -∞ of a value less than 640 · 2^-22 off; 0 if the light does not
     /// change.
+    //= reference/SPEC.md#fit
+    //# - **FIT-3** Under even light `λ_i` MUST be `(2 i - l - r)/(r - l)`, with `l` and `r` the window's first and last
+    //# pixel.
+    //= reference/SPEC.md#fit
+    //# - **FIT-4** Under a step of light `λ_i` MUST be -1 to the left and 1 to the right of the pixel `m` of the
+    //# layer's step, which is left out.
     fn lambda(&self, pixel: u16, places: i32) -> i32 {
         let (first, last, pixel) = (i32::from(self.first), i32::from(self.last), i32::from(pixel));
         match self.step {
@@ -180,6 +197,9 @@ impl<'a> LayerModel<'a> {
 /// The pixels whose middle lies between the outer edges of the code, widened by 3/2 px (`TRELLIS-2`).
 ///
 /// An edge's rounding, 2^-16 px, counts as between.
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-2** The guard fit MUST leave out the pixels whose middle lies between the outer edges of the code by
+//# that start, or on one of them, after they are widened by 3/2 px on either side.
 fn code_pixels(format: Format, origin: i32, projection: &Projection) -> Option<RangeInclusive<u16>> {
     const WIDENED: i32 = (3 << 15) + 2;
     let guard = usize::from((format.stripes() - format.code_stripes()) / 2);
@@ -371,5 +391,94 @@ impl LayerEquations {
             *place = binary::scaled(value, right - exponent - i32::from(SOLUTION_BITS) + LIGHT_BITS.cast_signed());
         }
         changes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::step::Change;
+    use super::*;
+    use crate::formats::{Column, Obliquity};
+    use crate::homography::Homography;
+
+    /// A pixel's residual, 8 fraction bits, and its right sides by `g`, `o'` and `g'` for a residual of 1, 14 fraction bits.
+    fn of_pixel(value: u8, lambda: i32, levels: [i32; 4], ink: i32) -> (i64, [i64; 3]) {
+        let mut sums = Sums::default();
+        let units = Units { gain: OWN_BITS, growth: 0, reach: 0 };
+        sums.add(value, lambda, &levels, &InkedPixel { ink, ..InkedPixel::default() }, &units);
+        let [by_offset, others @ .., _, _, _, _] = sums.right; // the derivative by the offset is 1
+        (by_offset >> 14, others.map(|right| right >> 8))
+    }
+
+    /// Five eighths of a unit are more than half of it: in `FIT-2` of the offset, 8 units of 2^-12, and what is added to it.
+    #[test]
+    fn what_a_residual_is_made_of_is_rounded_to_nearest() {
+        let five_eighths = 5 << 9; // of 12 fraction bits
+        // 8.625 and 9 units of 2^-12 are 0.54 and 0.56 of 2^-8, 8 are just the half, which goes up.
+        assert_eq!(of_pixel(0, 0, [8, 0, 0, 0], 0).0, 0);
+        assert_eq!(of_pixel(0, five_eighths, [8, 0, 1, 0], 0).0, -1);
+        assert_eq!(of_pixel(0, 0, [8, 5, 0, 0], 1 << 13).0, -1);
+        assert_eq!(of_pixel(0, 0, [-9, 0, 0, 0], 0).0, 1);
+        // Of the ink three of 16 fraction bits; then `λ c`.
+        assert_eq!(of_pixel(1, 0, [0; 4], 3), (1 << 8, [1, 0, 0]));
+        assert_eq!(of_pixel(1, five_eighths, [0; 4], 4), (1 << 8, [1, i64::from(five_eighths) << 2, 1]));
+    }
+
+    /// As above, of 2^-11 and 2^-12 of a gain of 2^8.
+    #[test]
+    fn derivatives_are_rounded_to_nearest() {
+        let units = Units { gain: OWN_BITS, growth: 0, reach: 0 };
+        let inked = InkedPixel { motion: [5 << 9, -3 << 9, 3 << 9], spread: 10, ..InkedPixel::default() };
+        assert_eq!(common(&inked, 1 << 8, &units), [1, 0, 0, 1]);
+    }
+
+    /// Whether a layer of this light may stay as it is.
+    fn stays(levels: [i32; 4]) -> bool {
+        let mut layer = LayerModel {
+            line: &[],
+            stripes: 0,
+            first: 0,
+            last: 0,
+            hidden: None,
+            sloped: true,
+            levels: levels.map(|grey| grey << LIGHT_BITS),
+            step: None,
+        };
+        layer.follow(&LayerEquations::empty(), &Shortened { changes: [Change::default(); 4] }).is_some()
+    }
+
+    /// `FIT-13`: `|o| + |o'|` and `|g| + |g'|` are at most 511.
+    #[test]
+    fn light_is_bounded_at_the_window_s_ends() {
+        assert!(stays([500, 0, 11, 0]) && stays([-500, 0, 11, 0]) && stays([0, -500, 0, -11]) && stays([0; 4]));
+        assert!(!stays([500, 0, 12, 0]) && !stays([-500, 0, 12, 0]) && !stays([12, 0, -500, 0]));
+        assert!(!stays([0, 500, 0, 12]) && !stays([0, -500, 0, -12]) && !stays([0, 12, 0, -500]));
+    }
+
+    /// `TRELLIS-2`: the code's edges are 0.6 · 42.5 px = 25.5 px from the middle, and 1.5 px more are hidden.
+    #[test]
+    fn pixels_at_the_bound_are_hidden() {
+        let homography = Homography { a: Column::ZERO, s: Column::from_num(42.5), k: Obliquity::ZERO };
+        let projection = Projection::new(&homography, Format::Paper).unwrap();
+        assert_eq!(code_pixels(Format::Paper, 100, &projection), Some(73..=127));
+    }
+
+    /// The largest gain along the window has 10 bits, and smaller ones the same unit.
+    #[test]
+    fn gains_are_scaled_to_their_unit() {
+        let homography = Homography { a: Column::ZERO, s: Column::from_num(40), k: Obliquity::ZERO };
+        let projection = Projection::new(&homography, Format::Paper).unwrap();
+        let scaled = |largest: i32, gain: i32| {
+            let light = LayerLight { gain: largest, ..LayerLight::default() };
+            Units::of(&light, &projection).scaled_gain(gain)
+        };
+        // 100 has 7 bits, 4661 13: 4661/8 is 582.6.
+        assert_eq!((scaled(100, 100), scaled(-100, -100), scaled(100, -3)), (800, -800, -24));
+        assert_eq!((scaled(-4661, -4661), scaled(4661, 4661), scaled(-4661, 12)), (-583, 583, 2));
+    }
+
+    #[test]
+    fn halves_are_rounded_up() {
+        assert_eq!((rounded(3, 1), rounded(-3, 1), rounded(8, 4), rounded(7, 4)), (2, -1, 1, 0));
     }
 }

@@ -75,6 +75,11 @@ impl Step {
     ///
     /// What is kept is off by at most 16 units of the squares' diagonal, which is 2^28 at least; the limit is
     /// `2^28/(225 (n - p))`, 932 units for the most pixels.
+    //= reference/SPEC.md#fit
+    //# - **FIT-11** With `s² = max(SSE/(n - p), 1/4)`, n pixels, `p = 4 + 4` per layer, the fit MUST have converged
+    //# when a step, before it is shortened, lowers the sum of squares of the linearised model by at most `s²/225`, or
+    //# under a step of light by at most `s²/16` with the layers' own parameters alone and by at most `s²/225` more with
+    //# the others; that step is the last one.
     pub(super) fn is_last(&self, squares: i64, degrees_of_freedom: u16, illumination: Illumination) -> bool {
         let [.., right] = self.equations.exponents;
         let degrees_of_freedom = i64::from(degrees_of_freedom);
@@ -91,6 +96,9 @@ impl Step {
     }
 
     /// The step, shortened as a whole (`FIT-9`); `origin` is that of its columns relative to the principal column.
+    //= reference/SPEC.md#fit
+    //# - **FIT-9** A step MUST be shortened as a whole until `|Δa|` and `|Δs|` are at most 1 px, `|Δk|` at most 0.1 and
+    //# `|Δσ|` at most 0.2 px, before the layers' own steps follow from it.
     pub(super) fn shortened(&self, origin: Column) -> Shortened {
         let [a, s, k, sigma] = self.changes;
         let turned = binary::product(i64::from(origin.to_bits()), k.scaled(30), 30);
@@ -134,6 +142,9 @@ pub(super) fn least_squares(degrees_of_freedom: i64) -> i64 {
 }
 
 /// The step of σ, in 2^-20 px, that stays within `FIT-10`'s range.
+//= reference/SPEC.md#fit
+//# - **FIT-10** A step that would take σ out of 0.2 to 1.2 px MUST, before FIT-9, be the one that takes it to that
+//# limit and solves the equations for `a`, `s` and `k` there.
 fn limited(blur: Column, spread: i64) -> i64 {
     let blur = i64::from(blur.to_bits());
     let (smallest, largest) = (i64::from(Blur::SMALLEST.to_bits()), i64::from(Blur::LARGEST.to_bits()));
@@ -192,5 +203,90 @@ impl Shortened {
             s: Column::from_bits(sum(homography.s.to_bits(), s.scaled(20))?),
             k: Obliquity::from_bits(sum(homography.k.to_bits(), k.scaled(30))?),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::*;
+    use super::{Change, Obliquity};
+    use crate::elimination::Equations;
+
+    /// Where a step leads that changes nothing, from a homography relative to the middle of a line of the reference camera.
+    fn stays(a: i32, s: i32, k: i32) -> bool {
+        let line: std::vec::Vec<u8> = (0..480_u16).map(|pixel| if pixel % 8 < 4 { 20 } else { 200 }).collect();
+        let layer = FitLayer { line: &line, first_pixel: 200, last_pixel: 279, stripes: 0b1010 };
+        let start = Start::at(&Homography { a: Column::ZERO, s: Column::from_num(40), k: Obliquity::ZERO });
+        let camera = Camera::new(480, Column::from_num(239), crate::formats::FocalLength::from_num(640)).unwrap();
+        let plan = Plan::Code(Illumination::Even);
+        let mut state = State::start(&[layer], &start, &camera, Format::Paper, plan).unwrap();
+        assert_eq!(state.origin, Column::ZERO);
+        state.homography = Homography { a: Column::from_bits(a), s: Column::from_bits(s), k: Obliquity::from_bits(k) };
+        state.advance(&step([Change::default(); 4]), &[]).is_some()
+    }
+
+    /// `FIT-13`: `|k| > 3/4`, `s < N/4`, here 5 px, and `s <= a k` are refused.
+    #[test]
+    fn the_bounds_of_a_fit_belong_to_it() {
+        let (five, forty, three_quarters) = (5 << 20, 40 << 20, 3 << 28);
+        assert!(stays(0, five, 0) && stays(0, forty, three_quarters) && stays(0, forty, -three_quarters));
+        assert!(!stays(0, five - 1, 0) && !stays(0, forty, three_quarters + 1));
+        assert!(!stays(0, forty, -three_quarters - 1));
+        for half in [1_i32 << 29, -1 << 29] {
+            let eighty = 80 * (1 << 20) * half.signum();
+            assert!(stays(eighty - half.signum(), forty, half) && !stays(eighty, forty, half));
+        }
+    }
+
+    fn step(changes: [Change; 4]) -> Step {
+        Step { equations: Equations::empty(), changes, kept: [0; 2] }
+    }
+
+    /// `FIT-9`: 1 px, 1 px, 0.1 and 0.2 px, in units of 2^-20 px and, of `k`, 2^-30.
+    #[test]
+    fn a_step_is_shortened_as_a_whole() {
+        let shortened = |a: i64, s: i64, k: i64, sigma: i64| {
+            let change = |value: i64, bits: i32| Change { value: value << 10, exponent: -bits - 10 };
+            let step = step([change(a, 20), change(s, 20), change(k, 30), change(sigma, 20)]);
+            let [a, s, k, sigma] = step.shortened(Column::ZERO).changes;
+            [a.scaled(20), s.scaled(20), k.scaled(30), sigma.scaled(20)]
+        };
+        let (px, tenth, fifth) = (1 << 20, (1 << 30) / 10, (1 << 20) / 5);
+        assert_eq!(shortened(px, -px, -tenth, fifth), [px, -px, -tenth, fifth]);
+        for longer in [[2 * px, 0, 0, 4], [0, -2 * px, 0, 4], [0, 0, 2 * tenth, 4], [8, 0, 0, -2 * fifth]] {
+            let [a, s, k, sigma] = longer;
+            assert_eq!(shortened(a, s, k, sigma), longer.map(|change| change / 2), "{longer:?}");
+        }
+        assert_eq!(shortened(4 * px, 2 * px, 0, 0), [px, px / 2, 0, 0]);
+    }
+
+    /// `FIT-10`: σ stays within 0.2 and 1.2 px.
+    #[test]
+    fn blur_stays_in_its_range() {
+        let half = Column::from_num(0.5);
+        let to = |blur: Column| i64::from((blur - half).to_bits());
+        assert_eq!((super::limited(half, 7), super::limited(half, -7)), (7, -7));
+        assert_eq!(super::limited(half, 1 << 30), to(Blur::LARGEST));
+        assert_eq!(super::limited(half, -(1 << 30)), to(Blur::SMALLEST));
+    }
+
+    /// What a step changes, and what no format holds.
+    #[test]
+    fn a_step_is_added() {
+        let px = |value: i64| Change { value, exponent: 0 };
+        let taken = |changes| super::Shortened { changes };
+        let before = Homography { a: Column::from_num(3), s: Column::from_num(40), k: Obliquity::from_num(0.25) };
+        let after = Homography { a: Column::from_num(1), s: Column::from_num(45), k: Obliquity::from_num(-0.75) };
+        let step = taken([px(-2), px(5), px(-1), px(1)]);
+        assert_eq!((step.applied(&before), step.spread()), (Some(after), Column::from_num(1)));
+        assert_eq!(taken([px(1 << 20), px(0), px(0), px(0)]).applied(&before), None);
+        assert_eq!(taken([px(0), px(0), px(0), px(1 << 40)]).spread(), Column::from_num(1024));
+        assert_eq!(taken([px(0), px(0), px(0), px(-1 << 40)]).spread(), Column::from_num(-1024));
+    }
+
+    /// `FIT-11`: `s²` is at least 1/4, here of 40 degrees of freedom and with 16 fraction bits.
+    #[test]
+    fn rounding_leaves_a_quarter() {
+        assert_eq!(super::least_squares(40), 10 << 16);
     }
 }

@@ -72,16 +72,22 @@ fn solved(m: &[List<f64>], r: &[f64]) -> (List<f64>, List<List<f64>>) {
     (rows.iter().map(|row| row[2 * n]).collect(), rows.iter().map(|row| row[n..2 * n].to_vec()).collect())
 }
 
-/// What the specification's minimum is: parameters `a, s, k, σ` and four for each layer, and the inverse of the normal
-/// equations.
-struct Minimum {
-    parameters: List<f64>,
+/// A step to the specification's minimum.
+struct Step {
+    /// Where it leads: `a, s, k`.
+    homography: [f64; 3],
+    /// Of FIT-14, with what it is made of, at the step's beginning.
     covariance: [[f64; 3]; 3],
     variance: f64,
-    /// Covariance and variance are those of this step. When it would have been found (FIT-11).
-    steps: i32,
-    /// And where.
-    stopped: List<f64>,
+    /// Its length, by the limit of FIT-11: the root of what it lowers, so that 1 of it is a 15th of a standard deviation.
+    length: f64,
+}
+
+/// All steps to the specification's minimum.
+struct Minimum {
+    taken: List<Step>,
+    /// How many of them a fit takes (FIT-11).
+    steps: usize,
 }
 
 /// A layer's window by FIT-1.
@@ -103,8 +109,8 @@ fn minimum(layers: &[FitLayer<'_>], start: &Start, format: Format, steps: &[Opti
         parameters.extend([f64::from(brightest), f64::from(darkest) - f64::from(brightest), 0.0, 0.0]);
     }
     let n = parameters.len();
-    let mut steps_taken = None;
-    for round in 0..60 {
+    let mut taken = List::new();
+    for _ in 0..60 {
         let (mut matrix, mut right) = (std::vec![std::vec![0.0; n]; n], std::vec![0.0; n]);
         let (mut squares, mut count) = (0.0, 0);
         for (index, layer) in layers.iter().enumerate() {
@@ -150,13 +156,10 @@ fn minimum(layers: &[FitLayer<'_>], start: &Start, format: Format, steps: &[Opti
         };
         let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
         let (all, alone) = (dot(&right, &change), dot(&right[4..], &own(&[0.0; 4])));
-        let converged = match steps {
-            [None, ..] => all <= variance / 225.0,
-            _ => alone <= variance / 16.0 && all - alone <= variance / 225.0,
+        let lowered = match steps {
+            [None, ..] => 225.0 * all,
+            _ => f64::max(16.0 * alone, 225.0 * (all - alone)),
         };
-        if steps_taken.is_none() && converged {
-            steps_taken = Some((round + 1, variance, inverse, List::new()));
-        }
         let far = [change[0], change[1], change[2] / 0.1, change[3] / 0.2]
             .iter()
             .fold(1.0_f64, |far, part| far.max(part.abs()));
@@ -169,18 +172,18 @@ fn minimum(layers: &[FitLayer<'_>], start: &Start, format: Format, steps: &[Opti
         let follow = own(&change[..4]);
         change[4..].copy_from_slice(&follow);
         parameters.iter_mut().zip(&change).for_each(|(parameter, change)| *parameter += change);
-        if let Some((_, _, _, stopped)) = &mut steps_taken
-            && stopped.is_empty()
-        {
-            stopped.clone_from(&parameters);
-        }
+        taken.push(Step {
+            homography: [parameters[0], parameters[1], parameters[2]],
+            covariance: core::array::from_fn(|i| core::array::from_fn(|j| inverse[i][j] * variance)),
+            variance,
+            length: (lowered / variance).sqrt(),
+        });
         if !(0.2..=1.2).contains(&parameters[3]) {
             return None;
         }
         if change[0].abs() < 1e-7 && change[3].abs() < 1e-7 {
-            let (steps, variance, inverse, stopped) = steps_taken?;
-            let covariance = core::array::from_fn(|i| core::array::from_fn(|j| inverse[i][j] * variance));
-            return Some(Minimum { parameters, covariance, variance, steps, stopped });
+            let steps = 1 + taken.iter().position(|step| step.length <= 1.0)?;
+            return Some(Minimum { taken, steps });
         }
     }
     None
@@ -266,17 +269,31 @@ fn entries(covariance: &Covariance) -> [[f64; 3]; 3] {
     [[aa, as_, ak], [as_, ss, sk], [ak, sk, kk]].map(|row| row.map(|entry| entry as f64 / 2_f64.powi(50)))
 }
 
-/// The farthest of a, s, k in standard deviations, and of their covariance in geometric means of the variances.
-///
-/// Steps of equal number are compared with each other, others with the minimum itself.
+impl Minimum {
+    /// The step with which a fit has ended.
+    fn last_of(&self, fitted: &Fitted) -> &Step {
+        &self.taken[usize::from(fitted.steps).min(self.taken.len()) - 1]
+    }
+
+    /// Whether that step may be thought the last (FIT-11) where either end of a step is known to a share of the standard
+    /// deviation.
+    fn may_end_with(&self, fitted: &Fitted, share: f64) -> bool {
+        let unsure = 15.0 * 2.0 * share;
+        let before = self.taken.iter().take(usize::from(fitted.steps) - 1);
+        self.last_of(fitted).length <= 1.0 + unsure
+            && before.map(|step| step.length).all(|length| length >= 1.0 - unsure)
+    }
+}
+
+/// The farthest of a, s, k in standard deviations, and of their covariance in geometric means of the variances, after as many
+/// steps.
 fn differences(fitted: &Fitted, minimum: &Minimum) -> (f64, f64) {
-    let same_step = i32::from(fitted.steps) == minimum.steps;
-    let expected = if same_step { &minimum.stopped } else { &minimum.parameters };
+    let expected = minimum.last_of(fitted);
     let found = [fitted.homography.a.to_num(), fitted.homography.s.to_num(), fitted.homography.k.to_num::<f64>()];
-    let deviation = |i: usize| minimum.covariance[i][i].sqrt();
-    let off = (0..3).map(|i| (found[i] - expected[i]).abs() / deviation(i)).fold(0.0, f64::max);
+    let deviation = |i: usize| expected.covariance[i][i].sqrt();
+    let off = (0..3).map(|i| (found[i] - expected.homography[i]).abs() / deviation(i)).fold(0.0, f64::max);
     let entries = entries(&fitted.covariance);
-    let entry = |i: usize, j: usize| (entries[i][j] - minimum.covariance[i][j]).abs() / (deviation(i) * deviation(j));
+    let entry = |i: usize, j: usize| (entries[i][j] - expected.covariance[i][j]).abs() / (deviation(i) * deviation(j));
     let wrong = (0..9).map(|place| entry(place / 3, place % 3)).fold(0.0, f64::max);
     (off, wrong)
 }
@@ -323,6 +340,9 @@ fn partings(layer: &FitLayer<'_>, start: &Start, format: Format) -> List<(u16, f
     (1..count - 1).map(|m| (first as u16 + m as u16, side(0..m) + side(m + 1..count))).collect()
 }
 
+/// How far a fit may be from the oracle's after as many steps, in standard deviations.
+const CLAIMED: f64 = 0.02;
+
 /// Asserts that a fit is the oracle's, by shares of the standard deviations; both may fail to converge.
 fn assert_fitted(
     view: &View,
@@ -338,22 +358,13 @@ fn assert_fitted(
         return Ok(());
     };
     let (off, wrong) = differences(fitted, minimum);
-    // A step beside the barcode leaves two directions of the light to the damping, and the last step is a larger one: there
-    // the twentieth holds that is claimed of every fit.
-    let most = if illumination == Illumination::Step { 0.05 } else { 0.02 };
-    prop_assert!(off < most, "by {} standard deviations: {:?} of {:?}", off, fitted, view);
+    prop_assert!(off < CLAIMED, "by {} standard deviations: {:?} of {:?}", off, fitted, view);
     prop_assert!(wrong < 0.02, "a covariance by {}: {:?} of {:?}", wrong, fitted, view);
-    prop_assert!((i32::from(fitted.steps) - minimum.steps).abs() <= 2, "{} steps, {}", fitted.steps, minimum.steps);
-    let variance = f64::from(fitted.variance) / 65_536.0;
-    // Of the same step, unless one of them thought the step before it was the last. An error of 0.015 grey levels of the
-    // residuals (the ink's 7e-5 of 160 grey levels, and roundings), independent of a noise of 1, is 3e-3 of 100 squares.
-    let same_step = i32::from(fitted.steps) == minimum.steps;
-    prop_assert!(
-        (variance / minimum.variance - 1.0).abs() < if same_step { 4e-3 } else { 0.02 },
-        "{} {}",
-        variance,
-        minimum.variance
-    );
+    prop_assert!(minimum.may_end_with(fitted, CLAIMED), "{} steps, {}", fitted.steps, minimum.steps);
+    // An error of 0.015 grey levels of the residuals (the ink's 7e-5 of 160 grey levels, and roundings), independent of a
+    // noise of 1, is 3e-3 of 100 squares.
+    let (variance, expected) = (f64::from(fitted.variance) / 65_536.0, minimum.last_of(fitted).variance);
+    prop_assert!((variance / expected - 1.0).abs() < 4e-3, "{} {}", variance, expected);
     Ok(())
 }
 
@@ -372,6 +383,39 @@ fn config() -> ProptestConfig {
 proptest! {
     #![proptest_config(config())]
 
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-1** The window of a layer MUST be the pixels from `first - P` to `last + P` within the line, with `P =
+    //# min(4, floor(2 e/N))` and `e` the ROI's extent.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-2** The model of pixel `i` MUST be `o + g c_i + λ_i (o' + g' c_i)` with its ink `c_i` (EDGE-2).
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-3** Under even light `λ_i` MUST be `(2 i - l - r)/(r - l)`, with `l` and `r` the window's first and last
+    //# pixel.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-6** The estimate MUST be the minimum of the sum of the squared differences between the pixels of all
+    //# layers and their model, over all parameters, that Gauss-Newton steps lead to.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-7** The start MUST be the given `(a, s, k)`, σ = 1/2, and for each layer the largest value of its window
+    //# as `o`, the smallest less the largest as `g`, and 0 as `o'` and `g'`.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of the normal equations from which each layer's own
+    //# parameters have been eliminated, with 2^-8 added to the diagonal of the eliminated block.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-9** A step MUST be shortened as a whole until `|Δa|` and `|Δs|` are at most 1 px, `|Δk|` at most 0.1 and
+    //# `|Δσ|` at most 0.2 px, before the layers' own steps follow from it.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-11** With `s² = max(SSE/(n - p), 1/4)`, n pixels, `p = 4 + 4` per layer, the fit MUST have converged
+    //# when a step, before it is shortened, lowers the sum of squares of the linearised model by at most `s²/225`, or
+    //# under a step of light by at most `s²/16` with the layers' own parameters alone and by at most `s²/225` more with
+    //# the others; that step is the last one.
     #[test]
     fn a_fit_is_the_minimum(view in views()) {
         assert_fitted(&view, &view.layers(), Illumination::Even, &[None, None])?;
@@ -382,6 +426,16 @@ proptest! {
     }
 
     /// A shadow over the right part of the lower layer (RENDER-4): half of the light.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-4** Under a step of light `λ_i` MUST be -1 to the left and 1 to the right of the pixel `m` of the
+    //# layer's step, which is left out.
+    //= reference/SPEC.md#fit
+    //= type=test
+    //# - **FIT-15** The pixel `m` of a layer's step of light MUST be the one for which the model without λ, fitted to
+    //# either side of it alone, leaves the smallest sum of squares, `c_i` being those of the start, `g` of either side
+    //# being drawn towards its start by adding `(g - g_0)²/16` to the sum; the left-most of equals, among those with at
+    //# least one pixel of the window on either side.
     #[test]
     fn a_step_of_light_is_found(view in views(), place in 0.3..0.7_f64) {
         let mut view = view;
@@ -404,6 +458,10 @@ proptest! {
     }
 
     /// TRELLIS-1 to TRELLIS-3: the guards alone tell the homography, whatever the code.
+    //= reference/SPEC.md#trellis
+    //= type=test
+    //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, and be refused as FIT-12 and
+    //# FIT-13 otherwise say.
     #[test]
     fn guards_are_fitted_without_the_code(view in views()) {
         let blank = view.layers().map(|layer| FitLayer { stripes: stripes(view.format, 0), ..layer });
@@ -458,6 +516,18 @@ fn survey() {
     assert!(off[1] < 0.01 && wrong[1] < 0.01);
 }
 
+//= reference/SPEC.md#fit
+//= type=test
+//# - **FIT-5** Pixels of the value 0 or 255 MUST be left out, since RENDER-5 limits them.
+//= reference/SPEC.md#fit
+//= type=test
+//# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that are
+//# not left out all lie within less than 12 grey levels.
+//= reference/SPEC.md#fit
+//= type=test
+//# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations are
+//# not positive definite, or if a step leads to `|k| > 3/4`, to `s < N/4`, to columns that do not grow, `s <= a k`, or
+//# to a light of `|o| + |o'|` or `|g| + |g'|` above 511 grey levels.
 #[test]
 fn what_cannot_be_fitted_is_refused() {
     let view = View::new(Format::Paper, [0.0, 40.0, 0.0, 0.5], 100.0, 0.0, 2.0, 1).unwrap();
@@ -483,8 +553,30 @@ fn what_cannot_be_fitted_is_refused() {
     assert_eq!(fitted(&view.lines[0], view.ends.0, view.ends.1, &mirrored), Err(FitRefusal::NotConverged));
 }
 
+/// `FIT-10`: of a sharper and of a more blurred image than a fit may have it stays at the limit, and finds the edges.
+//= reference/SPEC.md#fit
+//= type=test
+//# - **FIT-10** A step that would take σ out of 0.2 to 1.2 px MUST, before FIT-9, be the one that takes it to that
+//# limit and solves the equations for `a`, `s` and `k` there.
+#[test]
+fn the_blur_stays_within_its_limits() {
+    for (blur, limit) in [(0.1, 0.2), (1.5, 1.2)] {
+        let view = View::new(Format::Paper, [20.0, 50.0, 0.02, blur], 120.0, 0.0, 0.5, 3).unwrap();
+        let fitted = fit(&view.layers(), &view.start, &camera(), view.format, Illumination::Even).unwrap();
+        let off = |found: f64, truth: f64| (found - truth).abs();
+        assert!(off(fitted.blur.to_num(), limit) <= 2_f64.powi(-20), "{}", fitted.blur);
+        let Homography { a, s, k } = fitted.homography;
+        assert!(off(a.to_num(), 20.0) < 0.05 && off(s.to_num(), 50.0) < 0.05 && off(k.to_num(), 0.02) < 2e-3);
+    }
+}
+
 /// `TRELLIS-10`: gains of -60 allow 9 grey levels squared and 3600/9, 3600/16 and 3600/64 of them in the second, the third and
 /// the fifth step, which is 409, 234 and 65.25; a gain above -12 gives up in every step.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-10** The guard fit MUST be refused if in the equations of its second, third or fifth step `s²` is more
+//# than `9 + ḡ²/9`, `9 + ḡ²/16` or `9 + ḡ²/64`, `ḡ` being the mean of the gains that these equations start from, or if
+//# in one of its steps `ḡ` is above -12.
 #[test]
 fn guard_fits_are_given_up_early() {
     let given_up = |step: u8, variance: f64, gain: f64| {

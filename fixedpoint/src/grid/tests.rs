@@ -15,6 +15,10 @@ fn payload(format: Format, [x, y, heading]: [u32; 3]) -> u32 {
 }
 
 /// 3, 5 and 6 steps of the default grid: 0.15 m, 0.25 m and 6/16 of a turn.
+//= reference/SPEC.md#grid
+//= type=test
+//# - **GRID-1** A pose's payload MUST be the codes of x, y and heading, in this order, most significant first, of 6, 6
+//# and 4 bits in `paper` and 10, 10 and 4 bits in `wide`.
 #[test]
 fn codes_stand_in_the_order_of_the_specification() {
     for (format, word) in [(Format::Paper, 0b0000_1100_0101_0110), (Format::Wide, 0b0000_0000_1100_0000_0101_0110)] {
@@ -32,6 +36,13 @@ fn half_a_turn_is_pi_and_more_than_that_is_negative() {
 }
 
 /// 12 headings of 30° each: a third of a turn is no binary fraction.
+//= reference/SPEC.md#grid
+//= type=test
+//# - **GRID-3** The code `c` of the heading MUST stand for `c` equal parts of a turn, of which the grid has at most and
+//# by default `2^bits`.
+//= reference/SPEC.md#grid
+//= type=test
+//# - **GRID-6** A payload whose code of the heading is not below the number of headings MUST be refused (`Heading`).
 #[test]
 fn a_grid_has_as_many_headings_as_it_says() {
     let grid = Grid::new([Length::ZERO; 2], [GridStep::ONE; 2], 12).unwrap();
@@ -67,6 +78,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     /// GRID-2 and GRID-3 in floating point, of grids as they are meant.
+    //= reference/SPEC.md#grid
+    //= type=test
+    //# - **GRID-2** The code `c` of a coordinate MUST stand for the origin plus `c` steps, by default 50 mm from 0.
     #[test]
     fn a_thousand_steps_err_by_less_than_a_micrometre(
         origin in prop::array::uniform2(-20.0..20.0_f64),

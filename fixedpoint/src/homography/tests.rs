@@ -64,6 +64,12 @@ fn columns_of_a_homography_give_it_back() {
     assert!(d > 0 && a == 0 && s == 20 * d && 36 * k == d);
 }
 
+//= reference/SPEC.md#homog
+//= type=test
+//# - **HOMOG-3** A homography MUST be refused (`Implausible`) unless `s > 0` and `|k| <= 1/2`.
+//= reference/SPEC.md#homog
+//= type=test
+//# - **HOMOG-5** A pipeline whose arithmetic is not exact MUST treat a `|k|` within its declared error of 1/2 as on it.
 #[test]
 fn an_obliquity_of_one_half_is_plausible_and_no_more() {
     // z (1 + v/20) = 3 v: k is 10/20 for 20 stripes and 12/20 for 24.
@@ -110,6 +116,10 @@ fn the_corners_of_the_domain_do_not_overflow() {
 }
 
 /// A barcode of 20 stripes from pixel 1 to 638 of a line of 640 px, seen by a camera whose axis is at the line's end.
+//= reference/SPEC.md#homog
+//= type=test
+//# - **HOMOG-4** The homography that a layer reports MUST be relative to the principal column, `a' = a + δ`, `s' = s +
+//# δ k` with `δ` the ROI's middle minus `o_x`.
 #[test]
 fn a_reported_homography_is_relative_to_the_principal_column() {
     let hypothesis = Hypothesis { first_region: 1, last_region: 39, first_pixel: 1, last_pixel: 638 };
@@ -139,6 +149,9 @@ fn layer() -> impl Strategy<Value = (Format, Vec<(i8, i16)>)> {
 }
 
 proptest! {
+    //= reference/SPEC.md#homog
+    //= type=test
+    //# - **HOMOG-1** The homography MUST be the one that minimises `Σ (a + s t - k t z - z)²` over its transitions.
     #[test]
     fn solutions_are_exact(points in prop::collection::btree_map(-12_i8..=12, -2048_i16..=2048, 0..=25)) {
         let points: Vec<_> = points.into_iter().collect();
@@ -180,4 +193,13 @@ proptest! {
         prop_assert!(close(homography.s.to_num(), s, bound));
         prop_assert!(a.abs() < 1800.0 && s.abs() < 1800.0);
     }
+}
+
+/// `HOMOG-3`, bounds included; without a determinant there is no homography.
+#[test]
+fn a_homography_grows_and_is_not_too_oblique() {
+    let plausible = |s, k, d| Solution { a: 0, s, k, d }.is_plausible(Format::Paper);
+    // N |K| <= D with N = 20.
+    assert!(plausible(1, 5, 100) && plausible(1, -5, 100) && plausible(1, 0, 1));
+    assert!(!plausible(1, 5, 99) && !plausible(1, -5, 99) && !plausible(0, 0, 1) && !plausible(1, 0, 0));
 }

@@ -174,6 +174,9 @@ fn motion_that_is_left_out_costs_detections_or_their_truth() {
 }
 
 /// Below 1.25 px per stripe only the trellis reads it, 0.64 px of blur, and of a moving camera it is not asked (`SKEW-9`).
+//= reference/SPEC.md#skew
+//= type=test
+//# - **SKEW-9** Of a moving camera TRELLIS MUST NOT be asked.
 #[test]
 fn the_trellis_is_not_asked_of_a_moving_camera() {
     let view = View { blur: 0.64, ..View::turned(Format::Paper, 1.18, 0.2) };
@@ -220,6 +223,11 @@ fn distance_of(view: &View, measurement: &Measurement) -> f64 {
 /// The light falls at a pixel anywhere in the barcode to a half, or to a quarter: layers are fitted under a step as well, at rest
 /// from the fit of both (`LAYER-1`), and say where their own rows are. What only the local threshold reads `TRELLIS-9` decides again,
 /// at rest only. At the step itself a layer alone may be wrong, as both together; most are chi-square of three, whose median is 1.54².
+//= reference/SPEC.md#layer
+//= type=test
+//# - **LAYER-1** Each layer of a detection with a fit MUST be fitted alone (FIT, with one layer), from that fit's `(a,
+//# s, k, σ)` under the light, even or a step, that the fit was made under; of a moving camera these are the fits of
+//# SKEW-7.
 #[test]
 fn layers_are_fitted_under_the_light_of_the_detection() {
     let (mut far, mut decided_again) = (List::new(), 0);
@@ -250,6 +258,10 @@ fn layers_are_fitted_under_the_light_of_the_detection() {
 }
 
 /// `LAYER-2`: what a layer alone does not say is not measured, and `LAYER-4`: unless neither does.
+//= reference/SPEC.md#layer
+//= type=test
+//# - **LAYER-2** A layer whose own fit is refused, or whose `s²` is above ACCEPT-6's `v` of the detection's decoder
+//# with its own gain, or which COV-4 calls undetermined, MUST give no measurement.
 #[test]
 fn a_layer_without_a_fit_of_its_own_gives_no_measurement() {
     let scene = Scene::at(Format::Paper, 0.2, 0.3, [0.0; 3], 3);
@@ -278,6 +290,10 @@ fn a_layer_without_a_fit_of_its_own_gives_no_measurement() {
 }
 
 /// Times of what is measured (`LAYER-3`, `LAYER-4`).
+//= reference/SPEC.md#layer
+//= type=test
+//# - **LAYER-3** A layer's measurement MUST be its `(a, s, k)` with the covariance of its own fit, at its row's time
+//# (EXPOSE-1).
 #[test]
 fn measurements_have_their_layers_times() {
     let scene = Scene::at(Format::Paper, 0.2, 0.3, [0.0; 3], 3);
@@ -292,6 +308,10 @@ fn measurements_have_their_layers_times() {
 
 /// `LAYER-4`: without a fit the merged homography's pose; black and white alone leave nothing to be fitted (`FIT-12`). 8 px to
 /// the right by a turn of 8/640 at the image's middle, 2 px more than the odometry says: `a` is the upper layer's (`SKEW-8`).
+//= reference/SPEC.md#layer
+//= type=test
+//# - **LAYER-4** A detection with a fit of which no layer gives a measurement MUST give one, the detection's own, and a
+//# detection without a fit its pose with COV-5's covariance, both at the upper row's time (SKEW-8).
 #[test]
 fn a_detection_without_a_fit_is_one_measurement() {
     let (above, below) = encode(Format::Paper, PAYLOAD).unwrap();

@@ -37,6 +37,8 @@ pub(super) enum Turn {
 
 impl Sightings<'_> {
     /// The observations that a detection gives; `None` if the site knows no pose of it (`LOCATE-2`).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-2** A detection of which the site knows no pose MUST be left out and counted (`unknown`).
     pub(super) fn of(&self, detection: &Detection, turn: Turn) -> Option<Vec<Observation, 2>> {
         let Config { places, landmarks, .. } = self.config;
         let place = places.landmark_in_world(detection.format, detection.payload)?;
@@ -53,6 +55,10 @@ impl Sightings<'_> {
     }
 
     /// A detection's measurements; by the paper's estimator one of what a threshold decoded, and none of the others (`LOCATE-5`).
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-5** By the paper's estimator, transitions MUST be placed by CROSS-1's whole-pixel rule, and each
+    //# detection that a threshold decoded give one pose instead, the merged homography's (MERGE-4), with COV-5's
+    //# covariance, at the upper row's time, and the others none.
     fn measurements(&self, detection: &Detection, landmark: &Landmark, turn: Turn) -> Measurements {
         let ([upper, lower], lines) = (self.times, self.lines);
         let Build { camera, .. } = &self.config.build;
@@ -69,6 +75,9 @@ impl Sightings<'_> {
     }
 
     /// What a filter is told (`LOCATE-4`); without a covariance of what was seen it is a pose.
+    //= reference/SPEC.md#locate
+    //# - **LOCATE-4** A filter that is given poses MUST be given OBSERVE-2's of the transform (COV-2, COV-3) of each
+    //# measurement.
     fn sighting(
         &self,
         measurement: &Measurement,

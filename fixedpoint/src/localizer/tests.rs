@@ -152,6 +152,10 @@ fn deviations(state: &State, [x, y, theta]: [f64; 3]) -> [f64; 3] {
 }
 
 /// A robot at rest 2 cm from where it thinks it is: by images and by poses it learns where it is, each layer telling it at its time.
+//= reference/SPEC.md#locate
+//= type=test
+//# - **LOCATE-4** A filter that is given poses MUST be given OBSERVE-2's of the transform (COV-2, COV-3) of each
+//# measurement.
 #[test]
 fn a_robot_at_rest_learns_from_both_layers() {
     let (robot, believed) = ([0.01, -0.01, 0.05], [0.0, 0.0, 0.0]);
@@ -220,6 +224,10 @@ fn a_turning_robot_learns_by_the_skew_of_its_readings() {
 }
 
 /// LOCATE-6: readings up to the middle between both rows' times, 1650 ms, tell half of it.
+//= reference/SPEC.md#locate
+//= type=test
+//# - **LOCATE-6** The skew MUST be that of the readings the timeline holds; where they do not reach back to the upper
+//# row's time or on to the lower row's, it counts as at rest for what is missing.
 #[test]
 fn a_camera_counts_as_at_rest_where_there_is_no_reading() {
     let known = listed(Format::Paper, PAYLOAD);
@@ -236,6 +244,9 @@ fn a_camera_counts_as_at_rest_where_there_is_no_reading() {
 }
 
 /// LOCATE-2: another payload, the payload of another format, and no such heading.
+//= reference/SPEC.md#locate
+//= type=test
+//# - **LOCATE-2** A detection of which the site knows no pose MUST be left out and counted (`unknown`).
 #[test]
 fn what_the_site_does_not_know_is_counted() {
     let lines = lines(Format::Paper, [[0.0; 3]; 2]);
@@ -255,6 +266,11 @@ fn what_the_site_does_not_know_is_counted() {
 
 /// LOCATE-5: the mean of both layers' homographies, which the detector reports beside its fit; at the upper row's time, or by the
 /// paper's stamp half-way through the processing.
+//= reference/SPEC.md#locate
+//= type=test
+//# - **LOCATE-5** By the paper's estimator, transitions MUST be placed by CROSS-1's whole-pixel rule, and each
+//# detection that a threshold decoded give one pose instead, the merged homography's (MERGE-4), with COV-5's
+//# covariance, at the upper row's time, and the others none.
 #[test]
 fn the_paper_s_estimator_takes_the_merged_homography() {
     let known = listed(Format::Paper, PAYLOAD);
@@ -285,6 +301,10 @@ fn the_paper_s_estimator_takes_the_merged_homography() {
 
 /// LOCATE-3 of two landmarks side by side: the upper layers before the lower ones; by the paper's stamp, of one time, landmark
 /// after landmark.
+//= reference/SPEC.md#locate
+//= type=test
+//# - **LOCATE-3** The measurements of an image (LAYER) MUST be given to the timeline in the order of their times, the
+//# image's number being that of its arrival.
 #[test]
 fn observations_are_given_in_the_order_of_their_times() {
     let random = &mut ChaCha8Rng::seed_from_u64(7);
@@ -311,6 +331,11 @@ fn observations_are_given_in_the_order_of_their_times() {
 }
 
 /// A pose from elsewhere, of a robot 30 cm before the landmark: where it is in the world, by hand.
+//= reference/SPEC.md#locate
+//= type=test
+//# - **LOCATE-7** An observation of the robot's pose in a landmark's frame that comes from elsewhere MUST be taken as a
+//# pose (OBSERVE-2) of a camera in the robot's own place, of a new image if the last one that came from elsewhere was
+//# of another time, its landmark told apart by a number that it comes with.
 #[test]
 fn a_pose_from_elsewhere_is_observed() {
     let config = config(Places::Table(&[]));

@@ -69,6 +69,10 @@ fn merged_moving(
     recorder
 }
 
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-1** An upper and a lower layer MUST be paired where their ROIs' first pixels differ by at most 3 px and
+//# their last pixels by at most 3 px.
 #[test]
 fn ends_may_differ_by_three_pixels() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -82,6 +86,11 @@ fn ends_may_differ_by_three_pixels() {
 
 /// `SKEW-6`: the play is added to 3 px, and the upper one's ends are shifted. A turn of 10/640 to the left moves the middle of the
 /// image 10 px to the right.
+//= reference/SPEC.md#skew
+//= type=test
+//# - **SKEW-6** In MERGE-1 the lower layer's ends MUST be compared with the upper one's ends plus the shifts of the
+//# upper layer's homography, `T` px added to the 3 px, and in ACCEPT-2 the lower layer's `(a, s, k)` count less the
+//# shift of the upper layer's, `T` px added to the limit of `a`.
 #[test]
 fn ends_of_a_moving_camera_may_differ_by_its_play_too() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -100,6 +109,9 @@ fn ends_of_a_moving_camera_may_differ_by_its_play_too() {
 }
 
 /// `SKEW-9`: neither extents nor what the check byte refuses (`TRELLIS-9`) is tried.
+//= reference/SPEC.md#accept
+//= type=test
+//# - **ACCEPT-11** A pair of extents of which a fit is refused MUST be refused (`NoFit`).
 #[test]
 fn pairs_of_a_moving_camera_are_not_decided_again() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -113,6 +125,16 @@ fn pairs_of_a_moving_camera_are_not_decided_again() {
     assert_eq!(refused(&Skew { play: 4, ..Skew::AT_REST }), []);
 }
 
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-2** A pair MUST give the code word of CODE-4.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-3** A pair MUST be refused by CODE-7 before CODE-8 is asked.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-5** Pairs MUST be formed in the order of the upper layers, and for one upper layer in the order of the
+//# lower ones.
 #[test]
 fn pairs_say_a_payload_or_why_they_do_not() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -174,6 +196,12 @@ fn local(layer: DecodedLayer) -> DecodedLayer {
 }
 
 /// A shadow's edge in a barcode of which one stripe was read wrong, by the local threshold in one of the layers.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-9** A pair of layers of which at least one was found by the local threshold and whose code word CODE-8
+//# refuses MUST be decided again as one of EXTENT-7's pairs: fitted under a step of light from the merged homography,
+//# with the half words as they were read and a blur of 1/2, and then as TRELLIS-6 to TRELLIS-8 say, each fit from the
+//# one before it, under a step of light.
 #[test]
 fn a_pair_of_the_local_threshold_is_decided_again() {
     let view = View::turned(Format::Paper, 4.0, 0.0);
@@ -197,6 +225,9 @@ fn a_pair_of_the_local_threshold_is_decided_again() {
 }
 
 /// Four pairs of the format: those of layers first, then those of extents, of which bars of 6 px give a lot.
+//= reference/SPEC.md#extent
+//= type=test
+//# - **EXTENT-7** Of each format at most 4 pairs MUST be tried, those of TRELLIS-9 first.
 #[test]
 fn four_pairs_are_tried_layers_first() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -218,6 +249,9 @@ fn count(events: &[String], event: &str) -> usize {
     events.iter().filter(|other| *other == event).count()
 }
 
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-4** The merged homography MUST be the mean of the two layers' `a`, `s` and `k`.
 #[test]
 fn the_homography_is_the_mean() {
     let homography = |a, s, k| Homography { a: Column::from_num(a), s: Column::from_num(s), k: Obliquity::from_num(k) };
@@ -225,6 +259,10 @@ fn the_homography_is_the_mean() {
     assert_eq!(mean(&upper, &lower), homography(-1250.0, 31.5, 0.125));
 }
 
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-9** A candidate MUST become a detection if ACCEPT accepts it, and otherwise be refused by the first of
+//# ACCEPT's reasons.
 #[test]
 fn layers_that_disagree_are_no_detection() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -237,6 +275,10 @@ fn layers_that_disagree_are_no_detection() {
     assert!(detections.is_empty());
 }
 
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-10** A line pair MUST give at most 8 detections before MERGE-7, and what comes after them be refused
+//# (`TooMany`).
 #[test]
 fn nine_detections_are_too_many() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -261,6 +303,10 @@ fn the_mean_of_two_integers_always_fits() {
 }
 
 /// A wide landmark over the ends of two of three paper ones: it and both go, the third stays.
+//= reference/SPEC.md#merge
+//= type=test
+//# - **MERGE-7** Detections of different formats whose upper ROIs share a pixel MUST be refused, all of them
+//# (`Ambiguous`).
 #[test]
 fn formats_that_share_a_pixel_are_withdrawn() {
     let (one, other) = encode(Format::Paper, 0x1234).unwrap();
@@ -283,4 +329,20 @@ fn formats_that_share_a_pixel_are_withdrawn() {
     assert_eq!(recorder.found, expected);
     let left: List<_> = detections.iter().map(|d| (d.format, d.upper.first_pixel)).collect();
     assert_eq!(left, [(Format::Paper, 10), (Format::Wide, 91)]);
+}
+
+/// `EXTENT-5`: one pixel of either layer is enough.
+#[test]
+fn extents_with_a_pixel_of_a_detection_are_found_already() {
+    let (one, other) = encode(Format::Paper, 0x1234).unwrap();
+    let mut detections = Detections::new();
+    merged(Landmark::paper(), &[(layer(100, 180, one), layer(102, 182, other))], &mut detections);
+    let (white, camera, landmark, mut silent) = ([255; 480], Camera::epuck(), Landmark::wide(), Recorder::default());
+    let rule = CrossingRule::Interpolated;
+    let setting = Setting { lines: [&white, &white], camera: &camera, landmark: &landmark, rule, skew: &Skew::AT_REST };
+    let merger = Merger::new(setting, &mut detections, &mut silent);
+    let (left, right) = ((20, 99), (183, 240));
+    assert!(!merger.is_found(left, left) && !merger.is_found(right, right) && !merger.is_found(left, right));
+    assert!(merger.is_found((20, 100), left) && merger.is_found((180, 240), right));
+    assert!(merger.is_found(left, (20, 102)) && merger.is_found(right, (182, 240)));
 }

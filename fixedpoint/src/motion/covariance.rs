@@ -7,7 +7,7 @@ use crate::covariance::PoseCovariance;
 pub const STATES: usize = 5;
 
 /// How many of them move: x, y, heading.
-pub(crate) const MOVING: usize = 3;
+pub const MOVING: usize = 3;
 
 /// Fraction bits of the entries.
 pub const COVARIANCE_BITS: u8 = 56;
@@ -16,7 +16,7 @@ pub const COVARIANCE_BITS: u8 = 56;
 pub const SHARE_UNIT_BITS: u8 = 6;
 
 /// The largest variance, 16 m², 16 rad² or 2^-8.
-pub(crate) const LARGEST: i64 = 1 << 60;
+pub const LARGEST: i64 = 1 << 60;
 
 /// The covariance of x, y, the heading, `e` and `g`: metres, radians and 1/64, with [`COVARIANCE_BITS`].
 ///
@@ -52,7 +52,7 @@ impl StateCovariance {
                 for i in 0..MOVING {
                     for (i, j) in [(o, i), (i, o)] {
                         if let Some(entry) = rows.get_mut(i).and_then(|row| row.get_mut(j)) {
-                            *entry = (*entry + 1) >> 1;
+                            *entry = entry.saturating_add(1) >> 1; // a covariance may be as large as its format
                         }
                     }
                 }
@@ -77,7 +77,7 @@ impl StateCovariance {
     }
 
     /// Sets an entry and its mirror image.
-    pub(crate) fn set(&mut self, i: usize, j: usize, value: i64) {
+    pub fn set(&mut self, i: usize, j: usize, value: i64) {
         if let Some(entry) = self.entries.get_mut(place(i, j)) {
             *entry = value;
         }
@@ -107,7 +107,10 @@ impl StateCovariance {
     ///
     /// Errors: of an entry among x, y and the heading 7 units: 1.5 of `F P`, times at most 2.3 through `Fᵀ`, and 1.5 of its own,
     /// 0.9 of each wheel. Of one with `e` or `g` 1.5.
-    pub(crate) fn moved(&mut self, transition: &[[i32; 3]; MOVING], by_wheels: &[WheelNoise; 2]) {
+    //= reference/SPEC.md#motion
+    //# - **MOTION-5** The covariance MUST become `F P Fᵀ + G diag(q |l|, q |r|) Gᵀ`, with the derivatives F by the
+    //# state and G by `l` and `r` of what was moved.
+    pub fn moved(&mut self, transition: &[[i32; 3]; MOVING], by_wheels: &[WheelNoise; 2]) {
         let uncertain = self.uncertain();
         // The heading itself, `e` and `g`; without the latter two nothing comes from them.
         let sources = uncertain - MOVING + 1;
@@ -137,7 +140,7 @@ impl StateCovariance {
 
     /// Adds the rounding errors' bounds to the variances of what is uncertain, and limits them: a number of which the
     /// variance exceeds 16 m², 16 rad² or 2^-8 is taken to be half as uncertain.
-    pub(crate) fn settle(&mut self, bounds: [i64; STATES]) {
+    pub fn settle(&mut self, bounds: [i64; STATES]) {
         for (i, bound) in bounds.into_iter().enumerate().take(self.uncertain()) {
             let variance = self.entry(i, i);
             if i < MOVING || variance != 0 {
@@ -167,16 +170,17 @@ fn at(rows: &[[i64; MOVING]; MOVING], i: usize, j: usize) -> i64 {
 
 /// What the way of a wheel does to x, y and the heading, and its variance.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WheelNoise {
+pub struct WheelNoise {
     /// A column of `G`: 1, 1 and 1/m, 24 fraction bits.
-    pub(crate) by: [i32; MOVING],
+    pub by: [i32; MOVING],
     /// m² with 62 fraction bits.
-    pub(crate) variance: i64,
+    pub variance: i64,
 }
 
 impl WheelNoise {
     /// The entry of `G w Gᵀ` with [`COVARIANCE_BITS`]; error half a unit, and `|G| <= 64` times 2^-7 units.
-    pub(crate) fn entry(&self, i: usize, j: usize) -> i64 {
+    #[must_use]
+    pub fn entry(&self, i: usize, j: usize) -> i64 {
         let by = |i: usize| self.by.get(i).copied().unwrap_or_default();
         times(times(self.variance, by(i), 24), by(j), 30)
     }

@@ -55,6 +55,8 @@ impl Drive {
     }
 
     /// The e-puck's (`MOTION-8`), rounded to 2^-32 m.
+    //= reference/SPEC.md#motion
+    //# - **MOTION-8** The e-puck's wheels MUST be 41 mm in diameter, 53 mm apart, with 1000 steps a turn.
     #[must_use]
     pub fn epuck() -> Self {
         // π 0.041/1000 m; the constructor's result, which a test compares.
@@ -62,6 +64,9 @@ impl Drive {
     }
 
     /// The way of so many steps in 2^-16 (`MOTION-1`), metres with 40 fraction bits; error half a unit and 2^-30 of it.
+    //= reference/SPEC.md#motion
+    //# - **MOTION-1** The way of a wheel MUST be its steps times `u = π D/S`, with its nominal diameter D and S steps a
+    //# turn.
     pub(super) fn way(&self, steps: i32) -> i64 {
         dropped(i64::from(steps) * i64::from(self.step), self.exponent.saturating_sub(24))
     }

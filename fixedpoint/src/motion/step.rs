@@ -33,6 +33,9 @@ impl Step {
     ///
     /// Rounding errors: `l'`, `r'` and `d` 2^-41 m each; `φ` 2^-39 m over the axle, 2^-40 rad, and 2^-30 of it; the direction 2^-32 π, the
     /// chord and the unit vector as [`rotation`] says, about 2^-30 of `d`; x and y 2^-40 m. Of the derivatives 2^-29.
+    //= reference/SPEC.md#motion
+    //# - **MOTION-2** With the ways `l` and `r` and the nominal axle `b`, the axle's middle MUST go `d = (l' + r')/2`
+    //# and turn by `φ = (r' - l')/(b (1 + g))`, `l' = l (1 - e/2)` and `r' = r (1 + e/2)`.
     pub(super) fn new(state: &State, drive: &Drive, model: MotionModel, left: i64, right: i64) -> Self {
         const INVERSE_PI: i32 = 1_367_130_551; // 32 fraction bits
         let half_e = state.e.to_bits() >> 1; // below 2^28
@@ -41,6 +44,10 @@ impl Step {
         let over_axle = drive.over_axle(state.g);
         let turn = over_axle.of(right - left); // below 2.6, so that it does not wrap
         let turned = times(turn, INVERSE_PI, 32) << 23;
+        //= reference/SPEC.md#motion
+        //# - **MOTION-3** The pose MUST move along an arc, by `d sin(φ/2)/(φ/2)` in the direction `θ + φ/2`.
+        //= reference/SPEC.md#motion
+        //# - **MOTION-4** In the paper's linear model the pose MUST move by `d` in the direction `θ`.
         let (direction, [chord, shorter]) = match model {
             MotionModel::Arc => (state.heading.wrapping_add(turned >> 1), rotation::chord(dropped(turn, 11))),
             MotionModel::Linear => (state.heading, [1 << 30, 0]),

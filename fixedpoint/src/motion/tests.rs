@@ -116,6 +116,13 @@ fn steps(steps: f64) -> Steps {
     Steps::from_num(steps)
 }
 
+//= reference/SPEC.md#motion
+//= type=test
+//# - **MOTION-1** The way of a wheel MUST be its steps times `u = π D/S`, with its nominal diameter D and S steps a
+//# turn.
+//= reference/SPEC.md#motion
+//= type=test
+//# - **MOTION-8** The e-puck's wheels MUST be 41 mm in diameter, 53 mm apart, with 1000 steps a turn.
 #[test]
 fn the_epuck_is_that_of_the_specification() {
     let (made, robot) = drive(0.041, 0.053, 1000);
@@ -150,6 +157,20 @@ fn no_way_changes_nothing() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-2** With the ways `l` and `r` and the nominal axle `b`, the axle's middle MUST go `d = (l' + r')/2`
+    //# and turn by `φ = (r' - l')/(b (1 + g))`, `l' = l (1 - e/2)` and `r' = r (1 + e/2)`.
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-3** The pose MUST move along an arc, by `d sin(φ/2)/(φ/2)` in the direction `θ + φ/2`.
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-4** In the paper's linear model the pose MUST move by `d` in the direction `θ`.
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-5** The covariance MUST become `F P Fᵀ + G diag(q |l|, q |r|) Gᵀ`, with the derivatives F by the
+    //# state and G by `l` and `r` of what was moved.
     #[test]
     fn a_prediction_is_that_of_the_specification(
         (x, y, theta) in (-100.0..100.0_f64, -100.0..100.0_f64, -PI..PI),
@@ -205,6 +226,15 @@ proptest! {
         }
     }
 
+    /// A reciprocal of 2^30 to 2^31 units: half a unit, and 2^-32 of a divisor of 2^32 to 2^33.
+    #[test]
+    fn a_length_over_the_axle_is_precise(axle in 0.02..0.8_f64, share in -0.125..0.125_f64) {
+        let ((drive, robot), g) = (drive(0.041, axle, 1000), Share::from_num(share));
+        let exact = 1.0 / (robot.axle * (1.0 + g.to_num::<f64>()));
+        let found = drive.over_axle(g).of(1 << 40) as f64 * power(-40);
+        prop_assert!((found / exact - 1.0).abs() < 2_f64.powf(-30.5), "{}", found / exact - 1.0);
+    }
+
     /// Long ways go in parts: the same pose, and the same covariance but for the slip.
     #[test]
     fn long_ways_are_moved_in_parts(ways in [-4000.0..4000.0_f64, -4000.0..4000.0_f64], theta in -3.0..3.0_f64) {
@@ -229,6 +259,10 @@ proptest! {
         }
     }
 
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-7** At an observation the pose MUST count as uncertain by `G diag(u²/12, u²/12) Gᵀ` more, G at rest
+    //# *(choice: a step that is not yet complete is an error of the reading that the next one does not inherit)*.
     #[test]
     fn incomplete_steps_make_a_pose_uncertain(theta in -PI..PI, shares in [-0.12..0.12_f64, -0.12..0.12_f64]) {
         let (drive, robot) = drive(0.041, 0.053, 1000);
@@ -353,4 +387,100 @@ fn what_is_too_uncertain_is_limited() {
         assert!(variance <= covariance::LARGEST && variance > covariance::LARGEST >> 3);
     }
     assert!((state.covariance.pose().tt - (10 << 48)).abs() < 8);
+}
+
+/// A pose's covariance in m² and rad².
+fn given([xx, xy, yy]: [f64; 3]) -> PoseCovariance {
+    let [xx, xy, yy] = [xx, xy, yy].map(|value| (value * power(48)) as i64);
+    PoseCovariance { xx, xy, yy, tt: 1 << 40, ..PoseCovariance::default() }
+}
+
+/// A standard deviation of 1/64 is the unit; 1/16 is the largest.
+#[test]
+fn wheels_are_as_uncertain_as_said() {
+    let state = |e: f64, g: f64| {
+        let state = state([0.0; 3], [0.0; 2], [0.1, 0.1, 0.1, 0.0, 0.0], 0.0);
+        let wheels = state.with_wheels(Share::from_num(e), Share::from_num(g)).covariance;
+        [(3, 3), (4, 4), (3, 4)].map(|(i, j)| wheels.entry(i, j))
+    };
+    assert_eq!(state(1.0 / 64.0, 1.0 / 32.0), [1 << 56, 4 << 56, 0]);
+    assert_eq!(state(1.0 / 16.0, 0.4), [16 << 56, 16 << 56, 0]);
+    assert_eq!(state(0.0, -0.1), [0; 3]);
+}
+
+/// `FILTER-6`: what is known of `e` and `g` is kept.
+#[test]
+fn a_state_elsewhere_knows_the_same_wheels() {
+    let here = state([0.1, 0.2, 0.3], [0.05, -0.03], [0.01, 0.02, 0.03, 0.02, 0.01], 0.2);
+    let there =
+        here.elsewhere(&Pose::new(Length::from_num(2), Length::from_num(3), Angle::PI), &given([1.0, 0.5, 2.0]));
+    assert_eq!(
+        (there.e, there.g, there.pose().x, there.pose().theta),
+        (here.e, here.g, Length::from_num(2), Angle::PI)
+    );
+    for (i, j) in [(3, 3), (3, 4), (4, 4)] {
+        assert_eq!(there.covariance.entry(i, j), here.covariance.entry(i, j));
+    }
+    assert_eq!([3, 4].map(|i| there.covariance.entry(0, i)), [0; 2]);
+    assert!((there.covariance.entry(0, 1) - (1 << 55)).abs() < 1 << 10);
+}
+
+/// A change of one and of two units of 2^-6.
+#[test]
+fn a_state_says_what_it_knows_of_its_wheels() {
+    let moved = state([0.0; 3], [0.0; 2], [0.0; 5], 0.0).moved([0, 0, 0, 1 << 40, -2 << 40]);
+    assert_eq!((moved.e(), moved.g()), (Share::from_num(1.0 / 64.0), Share::from_num(-1.0 / 32.0)));
+}
+
+#[test]
+fn headings_are_rounded_to_nearest() {
+    assert_eq!([(1 << 31) - 1, 1 << 31, -(1 << 31) - 1].map(|heading| state::angle(heading).to_bits()), [0, 1, -1]);
+}
+
+/// Half as uncertain is a quarter of the variance and half of the covariances; a few units of 2^-48 more make up for rounding.
+#[test]
+fn a_pose_of_more_than_16_square_metres_is_half_as_uncertain() {
+    let limited = |given: PoseCovariance| {
+        let found = StateCovariance::of_pose(&given);
+        [(0, 0), (0, 1), (1, 1)].map(|(i, j)| found.entry(i, j) as f64 / power(56))
+    };
+    let more = |found: f64, expected: f64| (0.0..=6.0 * power(-48)).contains(&(found - expected));
+    let [xx, xy, yy] = limited(given([60.0, -4.0, 1.0]));
+    assert!(more(xx, 15.0) && (xy + 2.0).abs() <= power(-48) && more(yy, 1.0), "{xx} {xy} {yy}");
+    let [xx, xy, yy] = limited(given([1.0, 3.0, 200.0]));
+    assert!(more(xx, 1.0) && (xy - 0.75).abs() <= power(-47) && more(yy, 12.5), "{xx} {xy} {yy}");
+    // 16 m² with the 3 units that are added anyway.
+    let full = PoseCovariance { xx: (16 << 48) - 3, ..given([0.0, 0.0, 1.0]) };
+    assert_eq!(StateCovariance::of_pose(&full).entry(0, 0), covariance::LARGEST);
+}
+
+/// Likewise of a state, in units of 2^-56, of which bounds of errors are added to what is uncertain.
+#[test]
+fn a_state_of_more_than_16_square_metres_is_half_as_uncertain() {
+    let mut covariance = StateCovariance::default();
+    for (i, j, value) in [(0, 0, 60_i64 << 56), (0, 1, -4 << 56), (0, 4, 2 << 56), (1, 1, 1 << 56), (4, 4, 1 << 50)] {
+        covariance.set(i, j, value);
+    }
+    covariance.settle([4, 4, 4, 4, 4]);
+    let more = |(i, j): (usize, usize), expected: i64| (0..=4).contains(&(covariance.entry(i, j) - expected));
+    assert!(more((0, 0), 15 << 56) && more((0, 1), -2 << 56) && more((0, 4), 1 << 56) && more((1, 1), 1 << 56));
+    // The heading has a variance of 0 and yet an error; `e` is known.
+    assert_eq!([(2, 2), (3, 3), (4, 4)].map(|(i, j)| covariance.entry(i, j)), [4, 0, (1 << 50) + 4]);
+    let mut full = StateCovariance::default();
+    full.set(0, 0, covariance::LARGEST);
+    full.settle([0; 5]);
+    assert_eq!((full.entry(0, 0), full.uncertain()), (covariance::LARGEST, 3));
+}
+
+/// Found by a proof: a covariance at its format's limit once overflowed where it is reduced.
+#[test]
+fn a_covariance_at_its_format_s_limit_is_reduced() {
+    let limit = i64::MAX;
+    let PoseCovariance { xx, xy, xt, yy, yt, tt } =
+        StateCovariance::of_pose(&PoseCovariance { xx: limit, xy: limit, xt: limit, yy: limit, yt: limit, tt: limit })
+            .pose();
+    // 2^15 m² is halved in both directions six times, which leaves 2^3 m².
+    for entry in [xx, xy, xt, yy, yt, tt] {
+        assert!(entry.abs_diff(1 << 51) < 16, "{entry}");
+    }
 }

@@ -13,6 +13,10 @@ use crate::rotation::sin_cos;
 /// The least depth, 2^-8 m, with 40 fraction bits.
 const NEAREST: i64 = 1 << 32;
 
+/// The largest `|a|` and `|s|`, 2048 px with 32 fraction bits, and `|k|`, 4 with 40 (`FILTER-10`).
+const FARTHEST: u64 = 2048 << 32;
+const STEEPEST: u64 = 4 << 40;
+
 /// What a camera at a state's pose sees of a landmark.
 ///
 /// `a = -f l/d`, `s = -f W cos θ/d`, `k = W sin θ/d` (`OBSERVE-3`). Moved by `δd`, `δl` and `δθ` they change by
@@ -36,7 +40,15 @@ pub(super) struct View {
 }
 
 impl View {
-    /// `None` if the barcode's centre is nearer than [`NEAREST`] or behind the camera.
+    /// `None` if the barcode's centre is nearer than [`NEAREST`] or behind the camera, or seen as no camera sees it (`FILTER-10`), which
+    /// also keeps the noise by the steps within its format.
+    //= reference/SPEC.md#filter
+    //# - **FILTER-10** An image MUST NOT be used if one of its linearisations expects `|a|` or `|s|` above 2048 px or
+    //# `|k|` above 4.
+    //= reference/SPEC.md#observe
+    //# - **OBSERVE-3** As an image, a sighting MUST be `(a, s, k)`, compared with what the camera at the state's pose
+    //# would see: `a = -f l/d`, `s = -f W cos θ/d`, `k = W sin θ/d` of its heading θ in L, the depth `d` of the
+    //# barcode's centre and its offset `l` to the left.
     pub(super) fn new(sighting: &Sighting, state: &State, camera: &Camera, mounting: &Mounting) -> Option<Self> {
         let heading = crate::motion::angle(state.heading);
         let direction = heading + mounting.theta;
@@ -55,14 +67,18 @@ impl View {
         let [sin, cos] = sin_cos(direction - sighting.place.theta);
         let over = |share: i32| over_depth.times(times(half_width << 8, share, 30), 40);
         let (facing, k) = (over(cos), over(sin));
+        let (a, s) = (-over_depth.times(times(left, f, 16), 32), -times(facing, f, 24));
+        if a.unsigned_abs() > FARTHEST || s.unsigned_abs() > FARTHEST || k.unsigned_abs() > STEEPEST {
+            return None;
+        }
         // The camera's place, in its own directions, turns with the robot.
         let [mounted_x, mounted_y] = rotated(position(mounting), -mounting.theta);
         let [along_sin, along_cos] = sin_cos(direction).map(|value| i64::from(value) << 10);
         Some(Self {
             f,
             over_depth,
-            a: -over_depth.times(times(left, f, 16), 32),
-            s: -times(facing, f, 24),
+            a,
+            s,
             k,
             facing,
             moves: [[-along_cos, along_sin], [-along_sin, -along_cos], [left + mounted_y, -depth - mounted_x]],
@@ -103,6 +119,9 @@ impl View {
 /// The noise of an image: the fit's, what no model covers, and the incomplete steps' (`OBSERVE-4`, `MOTION-7`).
 ///
 /// Errors: 2^-56, and of the steps' part 2^-49 of the squares of the derivatives.
+//= reference/SPEC.md#observe
+//# - **OBSERVE-4** The noise of an image MUST be the fit's covariance (FIT-14) with `0.1² px²`, `0.05² px²` and
+//# `0.0005²` added for what no model covers.
 fn noise(covariance: &Covariance, by_pose: &[[i64; 3]; 3], steps: &PoseCovariance) -> StateCovariance {
     /// 0.1² px², 0.05² px² and 0.0005², with 56 fraction bits of their units' squares.
     const UNMODELLED: [i64; 3] = [2_814_749_767_107, 703_687_441_777, 4_611_686_018_427];
@@ -127,4 +146,32 @@ fn noise(covariance: &Covariance, by_pose: &[[i64; 3]; 3], steps: &PoseCovarianc
     }
     noise.settle([1, 1, 1, 0, 0]);
     noise
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::cast_possible_truncation)] // of numbers in range
+
+    use super::*;
+
+    /// `OBSERVE-4` at rest: the fit's covariance in units of 16 px, 16 px and 1/16, and on the diagonal what no model covers.
+    #[test]
+    fn noise_is_the_fit_s_and_what_no_model_covers() {
+        let of = |value: f64| (value * 2_f64.powi(50)).round() as i64;
+        let covariance =
+            Covariance { aa: of(0.25), as_: of(-0.125), ak: of(1e-4), ss: of(0.5), sk: of(-2e-4), kk: of(1e-6) };
+        let noise = noise(&covariance, &[[0; 3]; 3], &PoseCovariance::default());
+        let exact = [
+            ((0, 0), (0.25 + 0.01) / 256.0),
+            ((0, 1), -0.125 / 256.0),
+            ((0, 2), 1e-4),
+            ((1, 1), (0.5 + 0.0025) / 256.0),
+            ((1, 2), -2e-4),
+            ((2, 2), (1e-6 + 2.5e-7) * 256.0),
+        ];
+        for ((i, j), exact) in exact {
+            let found = noise.entry(i, j) as f64 / 2_f64.powi(56);
+            assert!((found - exact).abs() <= 2_f64.powi(-42), "{i} {j} {found} {exact}");
+        }
+    }
 }

@@ -1,7 +1,8 @@
 #![allow(clippy::needless_range_loop)] // indices of vectors and matrices
 
 use super::*;
-use crate::formats::{Column, Obliquity, Share};
+use crate::formats::{Column, Obliquity, Share, StripeWidth};
+use crate::landmark::Format;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -60,6 +61,15 @@ fn derivatives(of: impl Fn([f64; 3]) -> [f64; 3], at: [f64; 3]) -> [[f64; 3]; 3]
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
+    //= reference/SPEC.md#observe
+    //= type=test
+    //# - **OBSERVE-3** As an image, a sighting MUST be `(a, s, k)`, compared with what the camera at the state's pose
+    //# would see: `a = -f l/d`, `s = -f W cos θ/d`, `k = W sin θ/d` of its heading θ in L, the depth `d` of the
+    //# barcode's centre and its offset `l` to the left.
+    //= reference/SPEC.md#observe
+    //= type=test
+    //# - **OBSERVE-4** The noise of an image MUST be the fit's covariance (FIT-14) with `0.1² px²`, `0.05² px²` and
+    //# `0.0005²` added for what no model covers.
     #[test]
     fn an_image_is_that_of_the_specification(
         place in [-100.0..100.0_f64, -100.0..100.0_f64, -PI..PI],
@@ -98,18 +108,24 @@ proptest! {
         let (sin, cos) = robot[2].sin_cos();
         let wheels = [[cos / 2.0, sin / 2.0, -1.0 / 0.053], [cos / 2.0, sin / 2.0, 1.0 / 0.053]];
         let through = |i: usize, wheel: usize| (0..3).map(|n| by[i][n] * wheels[wheel][n]).sum::<f64>();
+        let reach = |i: usize| by[i].into_iter().map(f64::abs).sum::<f64>();
         for i in 0..3 {
             for j in 0..3 {
                 let unmodelled = if i == j { [0.01, 0.0025, 2.5e-7][i] } else { 0.0 };
                 let steps = (0..2).map(|wheel| through(i, wheel) * through(j, wheel)).sum::<f64>() * step * step / 12.0;
                 let value = found.noise.entry(i, j) as f64 * power(-56) * units[i] * units[j];
                 let size = |i: usize| [0.01, 0.0025, 2.5e-7][i] + (0..2).map(|wheel| through(i, wheel).powi(2)).sum::<f64>() * step * step / 12.0;
-                let bound = 2e-5 * (size(i) * size(j)).sqrt();
+                // The entries of the steps' covariance are half a unit of 2^-48 off, in whatever directions.
+                let bound = 2e-5 * (size(i) * size(j)).sqrt() + power(-49) * reach(i) * reach(j);
                 prop_assert!((value - unmodelled - steps).abs() < bound, "{} {}: {} {}", i, j, value, unmodelled + steps);
             }
         }
     }
 
+    //= reference/SPEC.md#observe
+    //= type=test
+    //# - **OBSERVE-2** As a pose, a sighting MUST be (10), the camera's pose in the landmark's frame taken to the robot
+    //# and the world, with its covariance (COV-4, COV-5) carried through the derivatives.
     #[test]
     fn a_pose_is_that_of_the_specification(
         place in [-50.0..50.0_f64, -50.0..50.0_f64, -PI..PI],
@@ -186,6 +202,9 @@ proptest! {
     }
 }
 
+//= reference/SPEC.md#observe
+//= type=test
+//# - **OBSERVE-1** The camera MUST by default be mounted 3 cm ahead of the axle's middle, looking ahead.
 #[test]
 fn the_camera_is_three_centimetres_ahead() {
     let [ahead, left, turned] = floats(&mounted_ahead());
@@ -196,7 +215,9 @@ fn the_camera_is_three_centimetres_ahead() {
 fn a_landmark_behind_the_camera_is_not_seen() {
     let homography = Homography { a: Column::ZERO, s: Column::ONE, k: Obliquity::ZERO };
     let seen = Seen::Image { homography, covariance: Covariance::default() };
-    let sighting = sighting([1.0, 0.0, PI], seen, PoseCovariance::default(), [0.0; 3]);
+    // Of stripes of 0.5 mm, so that 2^-8 m before it `s` is less than FILTER-10 allows.
+    let landmark = Landmark::new(Format::Paper, StripeWidth::from_num(0.000_501)).unwrap();
+    let sighting = Sighting { landmark, ..sighting([1.0, 0.0, PI], seen, PoseCovariance::default(), [0.0; 3]) };
     let from = |x: f64, theta: f64| {
         let state = State::new(&pose([x, 0.0, theta]), &PoseCovariance::default());
         linearised(&sighting, &state, &Camera::epuck(), &mounted_ahead(), &Drive::epuck())
@@ -204,6 +225,31 @@ fn a_landmark_behind_the_camera_is_not_seen() {
     assert!(from(0.5, 0.0).is_some());
     assert!(from(0.5, 3.0).is_none());
     assert!(from(0.98, 0.0).is_none());
-    // 30 mm and 4 mm before it; the axle is 30 mm behind the camera.
-    assert!(from(0.965, 0.0).is_some() && from(0.9675, 0.0).is_none());
+    // 2^-8 m before it, 3.906 mm; the axle is 30 mm behind the camera.
+    assert!(from(0.966_09, 0.0).is_some() && from(0.966_1, 0.0).is_none());
+}
+
+/// 2048 px are 3.2 times the focal length: `a` of a barcode 3.2 times as far aside as ahead, `s` of one whose half is 3.2 times as
+/// wide, and `k` is 4 of one that stands endwise and whose half is 4 times as long, 0.2 m of stripes of 20 mm.
+//= reference/SPEC.md#filter
+//= type=test
+//# - **FILTER-10** An image MUST NOT be used if one of its linearisations expects `|a|` or `|s|` above 2048 px or
+//# `|k|` above 4.
+#[test]
+fn what_no_camera_sees_is_not_expected() {
+    let homography = Homography { a: Column::ZERO, s: Column::ONE, k: Obliquity::ZERO };
+    let seen = Seen::Image { homography, covariance: Covariance::default() };
+    let expects = |landmark: Landmark, camera: [f64; 3]| {
+        let sighting = Sighting { landmark, ..sighting([0.0; 3], seen, PoseCovariance::default(), [0.0; 3]) };
+        let robot = composed(camera, inverted(floats(&mounted_ahead())));
+        let state = State::new(&pose(robot), &PoseCovariance::default());
+        linearised(&sighting, &state, &Camera::epuck(), &mounted_ahead(), &Drive::epuck()).is_some()
+    };
+    let (paper, large) = (Landmark::paper(), Landmark::new(Format::Paper, StripeWidth::from_num(0.02)).unwrap());
+    for side in [-1.0, 1.0] {
+        assert!(expects(paper, [0.1, side * 0.3199, PI]) && !expects(paper, [0.1, side * 0.3201, PI]));
+        assert!(expects(large, [0.0, side * 0.0501, -side * PI / 2.0]));
+        assert!(!expects(large, [0.0, side * 0.0499, -side * PI / 2.0]));
+    }
+    assert!(expects(paper, [0.0047, 0.0, PI]) && !expects(paper, [0.0046, 0.0, PI]));
 }

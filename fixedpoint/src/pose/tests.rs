@@ -35,6 +35,9 @@ fn homography(a: f64, s: f64, k: f64) -> Homography {
     Homography { a: Column::from_num(a), s: Column::from_num(s), k: Obliquity::from_num(k) }
 }
 
+//= reference/SPEC.md#pose
+//= type=test
+//# - **POSE-2** The camera's heading MUST be `θ = atan2(β_1x, β_1y)` (ERRATA-5).
 #[test]
 fn looking_straight_at_a_barcode_is_a_heading_of_pi() {
     // 15 mm to either side are 40 px at 640 px focal length: 0.24 m.
@@ -56,9 +59,20 @@ fn what_does_not_fit_saturates() {
     assert_eq!((nowhere.x, nowhere.theta), (Length::MAX, Angle::ZERO));
 }
 
+/// A ratio that does not fit is far away, on the side that its sign says.
+#[test]
+fn what_is_out_of_reach_is_as_far_as_the_format_holds() {
+    let far = |sign| in_metres(None, sign, &Landmark::paper());
+    assert_eq!([-1, 1].map(far), [Length::MIN, Length::MAX]);
+}
+
 proptest! {
     /// A camera anywhere in front of a barcode, projected by the equations of ERRATA: with `D` and `r` of the centre,
     /// `k = -W sin θ/D`, `s = f W cos θ/D`, `a = f r/D`.
+    //= reference/SPEC.md#pose
+    //= type=test
+    //# - **POSE-1** With `α_0 = (f, 0)`, `α_1 = (0, -1)`, `A = [α_1 α_0]` and `H = [[s/W, a], [k/W, 1]]`, `B = [β_1
+    //# β_0]` MUST be `A H` scaled so that `β_1` is a unit vector and `β_0`'s first component is positive (ERRATA-4).
     #[test]
     fn a_projected_barcode_gives_the_pose_back(
         x in 0.05..1.0_f64,
@@ -83,6 +97,9 @@ proptest! {
     }
 
     /// The stated rounding errors and no others, against POSE-1 to POSE-3 for the same homography.
+    //= reference/SPEC.md#pose
+    //= type=test
+    //# - **POSE-3** The camera's position MUST be `-R(θ) β_0`, the rigid transform (9).
     #[test]
     fn rounding_errors_are_those_stated(
         a in -1280.0..1280.0_f64,

@@ -58,3 +58,11 @@ fn mirrored_and_too_oblique_homographies_have_no_edges() {
     assert_eq!(edges(-40.0, 0.0), None);
     assert_eq!(edges(40.0, 1.5), None);
 }
+
+/// Five units of 2^-20 px times an eighth are five eighths of one.
+#[test]
+fn a_shifted_scale_is_rounded_to_nearest() {
+    let homography = Homography { a: Column::ZERO, s: Column::from_num(100), k: Obliquity::from_num(0.125) };
+    let found = shifted(&homography, Column::from_bits(5)).map(|homography| homography.s.to_bits());
+    assert_eq!(found, Some((100 << 20) - 1));
+}

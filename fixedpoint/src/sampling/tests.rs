@@ -69,6 +69,14 @@ fn layer(format: Format, half_word: u16) -> Vec<u8> {
     line
 }
 
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-2** A stripe MUST have the colour of the region that contains the projection of its middle `t = (2 j +
+//# 1)/N - 1` by the homography at that time.
+//= reference/SPEC.md#decode
+//= type=test
+//# - **DECODE-1** The half word MUST be the colours of the `N_code` stripes between the guards, black as 1, the
+//# left-most stripe as the most significant bit.
 #[test]
 fn every_half_word_is_sampled() {
     for rule in RULES {
@@ -117,6 +125,11 @@ fn a_middle_on_a_boundary_belongs_to_the_pixel_at_its_right_from_the_right_side_
 
 /// The left edges of two bars, moved apart by `pixels` each. The extent is 80 px: a difference of 1.25 px is allowed by the
 /// interpolated rule, of 2.25 px by the other. The least squares follow such a pair by less than a third.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-10** With `ρ = a + s t - k t z - z` the residual of a transition in HOMOG-1 by the last homography, an
+//# ROI MUST be refused (`Residual`) if two of its transitions that have one transition between them differ in ρ by more
+//# than `e/64` px, to which the whole-pixel rule adds 1 px and the local threshold 1 px.
 #[test]
 fn transitions_that_are_not_where_edges_are_are_refused() {
     let moved = |pixels: usize| {
@@ -175,6 +188,27 @@ fn a_layer_of_one_format_is_not_one_of_the_other() {
 }
 
 /// Transitions and samples of an affine layer in full: middle of the ROI at 49.5 px, 32 units to a pixel.
+//= reference/SPEC.md#land
+//= type=test
+//# - **LAND-3** The left guard MUST be the stripes bar, space repeated `N_guard` times, and the right guard its mirror
+//# image.
+//= reference/SPEC.md#homog
+//= type=test
+//# - **HOMOG-2** The first homography of an ROI MUST be that of the `4 N_guard` transitions of its guards: from the
+//# left end the edges `j = 0 .. 2 N_guard - 1`, from the right end `j = N .. N - 2 N_guard + 1`, each with the next
+//# transition inwards.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-1** Stripes MUST be sampled from the borders to the centre, alternating, the left one first: 0, N-1, 1,
+//# N-2, and so on.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-7** Where a code stripe falls in the next region inwards, the transition between both MUST be added to
+//# the homography as the edge between both stripes, and the homography be solved again before the next stripe.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-9** Where SAMPLE-8 finds neighbours, the transition between both MUST be added as the middle edge `j =
+//# N/2`, and the homography be solved again.
 #[test]
 fn stripes_are_sampled_from_the_borders_to_the_centre() {
     let mut recorder = Recorder::default();
@@ -210,6 +244,10 @@ fn stripes_are_sampled_from_the_borders_to_the_centre() {
 
 /// Four bars of one width: the best homography has the middle of stripe 0 in the first space, at 0.95 · 2.483 of the
 /// bars' width from the middle, within the 2.5 where that begins.
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-5** A guard stripe `j` from either end that does not fall in the region `j` places from that end of the
+//# ROI MUST be refused (`Guard`).
 #[test]
 fn guards_are_where_they_belong() {
     let mut recorder = Recorder::default();
@@ -220,6 +258,14 @@ fn guards_are_where_they_belong() {
     assert_eq!((recorder.samples[0].stripe, recorder.samples[0].region), (0, None));
 }
 
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-6** A code stripe that does not fall in the region of the stripe sampled before it on its side, or in the
+//# next region inwards within the ROI, MUST be refused (`Transition`).
+//= reference/SPEC.md#sample
+//= type=test
+//# - **SAMPLE-8** When all stripes are sampled, the left and the right side's last regions MUST be the same or
+//# neighbours, with the left one at the left, or else the ROI be refused (`Transition`).
 #[test]
 fn a_bar_between_two_middles_is_one_transition_too_many() {
     let mut line = layer(Format::Paper, 0);

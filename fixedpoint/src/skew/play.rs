@@ -8,6 +8,10 @@ use crate::motion::{Drive, Ways};
 /// went: `|l| + |r|` is `u` times these, and what is under the root `u (3 n + 10^6 u)/(3 · 10^6)` m² of `n` steps.
 ///
 /// Before it is rounded up the error is 2^-30 of it and 2^-20 px. It is below 2^17 px.
+//= reference/SPEC.md#skew
+//# - **SKEW-5** The *play* of a moving camera MUST be `T = ceil(5 f/b √(q (|l| + |r|) + u²/3))` pixels, with `q = 1e-6
+//# m`, `u` of MOTION-1, the axle `b`, and `|l|` and `|r|` the sums of the lengths of the wheels' ways between both
+//# times; at rest it is 0.
 pub(super) fn play(steps: u64, drive: &Drive, camera: &Camera) -> u32 {
     if steps == 0 {
         return 0;

@@ -44,6 +44,9 @@ impl Shift {
     /// The shifts of the ends of the homography that this is the shift of (`SKEW-4`); `None` where they are more than 2^15 px.
     ///
     /// Error of what is rounded to whole pixels: 2^-30 px.
+    //= reference/SPEC.md#skew
+    //# - **SKEW-4** The *shift of an end* `t`, -1 for the first pixel and 1 for the last one, MUST be `c'(t) - c(t)`
+    //# with `c(t) = (a + s t)/(1 + k t)`, rounded to the nearest pixel, halves up.
     #[must_use]
     pub fn of_ends(&self, homography: &Homography) -> Option<EndShifts> {
         let carried = self.added(homography)?;

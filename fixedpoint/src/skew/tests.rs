@@ -1,6 +1,6 @@
 use super::*;
 use crate::drawing::View;
-use crate::formats::Steps;
+use crate::formats::{Steps, StripeWidth};
 use crate::landmark::Format;
 use crate::observation::mounted_ahead;
 use proptest::prelude::*;
@@ -44,6 +44,11 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
     /// `SKEW-2` against the projection of the barcode's points, within the stated errors.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-2** A homography `(a, s, k)` MUST be carried to the lower row by `1/ρ = √(k² + (s/f)²)/W`, `u = (1 -
+    //# t_x/ρ, -a/f - t_y/ρ)` and `v = (k, -s/f)`, which are turned by `-φ` into `u'` and `v'`: `a' = -f u'_y/u'_x`, `s'
+    //# = -f v'_y/u'_x`, `k' = v'_x/u'_x`; its *shift* is `Δ = (a' - a, s' - s, k' - k)`.
     #[test]
     fn a_homography_is_carried_to_what_the_moved_camera_sees(
         wide in any::<bool>(),
@@ -104,6 +109,10 @@ proptest! {
     }
 
     /// `SKEW-1`: arcs one after the other, as rotations about the points where the wheels' axles meet.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-1** The motion of the camera MUST be that of the robot through its mounting: MOTION-2 and MOTION-3 with
+    //# `e = g = 0` over the readings between both times, a reading's steps taken in proportion to the part of its time.
     #[test]
     fn a_camera_moves_as_the_robot_does(
         readings in prop::collection::vec((-150.0..150.0, -150.0..150.0), 0..6),
@@ -144,6 +153,11 @@ proptest! {
     }
 
     /// `SKEW-5` in floating point, of any robot and camera, where that is not near a whole number.
+    //= reference/SPEC.md#skew
+    //= type=test
+    //# - **SKEW-5** The *play* of a moving camera MUST be `T = ceil(5 f/b √(q (|l| + |r|) + u²/3))` pixels, with `q =
+    //# 1e-6 m`, `u` of MOTION-1, the axle `b`, and `|l|` and `|r|` the sums of the lengths of the wheels' ways between
+    //# both times; at rest it is 0.
     #[test]
     fn the_play_is_the_least_whole_number_that_is_enough(
         readings in prop::collection::vec((-400.0..400.0, -400.0..400.0), 0..6),
@@ -199,6 +213,10 @@ fn a_robot_that_turns_on_the_spot_moves_its_camera_aside() {
 }
 
 /// `SKEW-3`, limit by limit. A barcode of `W` = 15 mm with s = 20 px is 0.48 m away.
+//= reference/SPEC.md#skew
+//= type=test
+//# - **SKEW-3** A homography that is carried to `u'_x < 1/4`, `|k'| > 3/4`, `s' < N/4` or `s' <= a' k'` MUST be paired
+//# with nothing.
 #[test]
 fn what_no_barcode_can_be_is_not_carried() {
     let straight = homography(0.0, 20.0, 0.0);
@@ -225,6 +243,10 @@ fn what_no_barcode_can_be_is_not_carried() {
 }
 
 /// `SKEW-4`: halves up.
+//= reference/SPEC.md#skew
+//= type=test
+//# - **SKEW-4** The *shift of an end* `t`, -1 for the first pixel and 1 for the last one, MUST be `c'(t) - c(t)` with
+//# `c(t) = (a + s t)/(1 + k t)`, rounded to the nearest pixel, halves up.
 #[test]
 fn halves_of_a_pixel_are_rounded_up() {
     let seen = homography(10.0, 40.0, 0.0);
@@ -269,4 +291,25 @@ fn the_farthest_displacements_are_refused_or_carried() {
             }
         }
     }
+}
+
+/// `SKEW-3` at its bounds. The half width is 10 · 2^-7 m, so that 40 px of it are 512 px to the metre: from 640 px, the focal
+/// length, 480 px are 15/16 m.
+#[test]
+fn a_camera_may_come_four_times_nearer() {
+    let landmark = Landmark::new(Format::Paper, StripeWidth::from_num(1.0 / 128.0)).unwrap();
+    let nearer = |bits| {
+        let x = Displacement::from_bits(Displacement::from_num(15.0 / 16.0).to_bits() + bits);
+        Skew { x, ..skew(0.0, 0.0, 0.0) }.carry(&homography(0.0, 40.0, 0.0), &Camera::epuck(), &landmark)
+    };
+    assert_eq!(Camera::epuck().focal_length(), 640);
+    assert_eq!((nearer(0).map(|carried| carried.s), nearer(1 << 20)), (Some(Column::from_num(160)), None));
+}
+
+/// `SKEW-3`: `s > a k`, so that the columns grow.
+#[test]
+fn columns_of_a_barcode_grow() {
+    let is_barcode = |a, s, k| is_barcode(&homography(a, s, k), &Landmark::paper());
+    assert!(is_barcode(79.0, 40.0, 0.5) && !is_barcode(80.0, 40.0, 0.5) && !is_barcode(-80.0, 40.0, -0.5));
+    assert!(is_barcode(0.0, 5.0, 0.75) && !is_barcode(0.0, 4.99, 0.0) && !is_barcode(0.0, 5.0, 0.7501));
 }

@@ -12,6 +12,9 @@ use crate::refusal::LineRefusal;
 const BLOCK: usize = 16;
 
 /// Whole blocks of a window, beside the pixel's own (`THRESH-5`).
+//= reference/SPEC.md#thresh
+//# - **THRESH-5** The left window of pixel `i` MUST be the pixels from `max(0, 16 (b - 8))` to `i`, and its right
+//# window those from `i` to `min(Q_x - 1, 16 (b + 8) + 15)`, with `b = floor(i/16)`.
 const REACH: usize = 8;
 
 /// Blocks of the longest line.
@@ -42,6 +45,10 @@ impl Extremes {
 }
 
 /// The threshold of a pixel with these windows and neighbours, which the line's ends do not have (`THRESH-6`).
+//= reference/SPEC.md#thresh
+//# - **THRESH-6** With `high(i)` the smaller of both windows' largest values and `low(i)` the larger of the smallest
+//# values of the left window with pixel `i + 1` and of the right window with pixel `i - 1`, as far as the line has
+//# them, the local threshold MUST have `T2(i) = high(i) + low(i)` and `R(i) = high(i) - low(i)`.
 fn between(left: Extremes, right: Extremes, previous: Option<u8>, next: Option<u8>) -> Threshold {
     let darkest = |window: Extremes, beyond: Option<u8>| window.darkest.min(beyond.unwrap_or(u8::MAX));
     Threshold {

@@ -11,6 +11,11 @@ const LEAST_INK: i32 = WHOLE >> 8;
 /// The half words with the smallest sums of squares over the layers' windows (`TRELLIS-5`), upper and lower.
 ///
 /// Both layers have the same edges, so that a pixel's inks are found once.
+//= reference/SPEC.md#trellis
+//# - **TRELLIS-5** The half word of a layer MUST be the one with the smallest sum of squared differences between the
+//# pixels and their model (TRELLIS-11) over the layer's window but for the pixel of a step of light, found by the
+//# Viterbi algorithm over states of 4 code stripes, a pixel being counted with the last code stripe of `w_ij > 2^-8` as
+//# one that depends on this and the 4 code stripes before it.
 #[must_use]
 pub fn half_words(format: Format, edges: &Edges, layers: &[LitLayer<'_>; 2]) -> [u16; 2] {
     let [upper, lower] = layers;
@@ -87,4 +92,42 @@ pub fn guards(format: Format, edges: &Edges, pixel: u16) -> i32 {
         sum += (0..inwards).step_by(2).map(|bar| edges.stripe(format.stripes() - 1 - bar, pixel)).sum::<i32>();
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::edge::Blur;
+    use crate::formats::{Column, Obliquity};
+    use crate::homography::Homography;
+
+    /// `TRELLIS-4` and `TRELLIS-5` for every pixel of barcodes that are seen from the left and from the right.
+    #[test]
+    fn a_pixel_counts_with_the_last_stripe_that_it_depends_on() {
+        let views = [(Format::Paper, 13.0, 0.0), (Format::Paper, 20.0, 0.3), (Format::Wide, 16.0, -0.3)];
+        // Sharp, and as blurred as can be in 15 places: an edge's ink may be more than 2^-8 where its stripe's is not.
+        let seen = |shift: u8| (Column::from_num(shift) / 16, if shift == 0 { Blur::START } else { Blur::LARGEST });
+        for ((format, s, k), shift) in views.into_iter().flat_map(|view| (0..16).map(move |shift| (view, shift))) {
+            let (a, blur) = seen(shift);
+            let homography = Homography { a, s: Column::from_num(s), k: Obliquity::from_num(k) };
+            let edges = Edges::new(format, &homography, Blur::new(blur), &Camera::epuck());
+            let least = (1 << 16) / 256; // 2^-8
+            let depends = |stripe: u8, pixel: u16| edges.stripe(4 + stripe, pixel) > least; // after four of the guard
+            let (mut last, mut reached) = (0, 0);
+            for pixel in 200..280 {
+                let expected = (0..format.code_stripes()).rev().find(|&stripe| depends(stripe, pixel)).unwrap_or(last);
+                last = last_stripe(format, &edges, pixel, last);
+                assert_eq!(last, expected, "{pixel}");
+                let inks = code_inks(&edges, pixel, last);
+                let within = last.saturating_sub(4)..=last;
+                assert_eq!(inks.is_some(), within.clone().any(|stripe| depends(stripe, pixel)), "{pixel}");
+                for (place, stripe) in within.rev().enumerate().filter(|_| inks.is_some()) {
+                    assert_eq!(inks.unwrap()[4 - place], edges.stripe(4 + stripe, pixel), "{pixel} {stripe}");
+                }
+                reached += u32::from(inks.is_some());
+            }
+            assert!((reached..80).contains(&(reached + 10)) && last + 1 == format.code_stripes());
+        }
+    }
 }

@@ -86,6 +86,11 @@ fn blurred_small_barcodes_are_read_up_to_45_degrees() {
     }
 }
 
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-1** The *guard fit* MUST be FIT with all stripes of the code as spaces, without λ (`o' = g' = 0`, p = 4
+//# + 2 per layer), over both layers, with a `k` of 0 and the means of both extents' outer edges `first - 1/2` and `last
+//# + 1/2` as start.
 #[test]
 fn the_guard_fit_starts_between_the_means() {
     let start = guard_start((100, 129), (101, 131), &Camera::epuck()).homography;
@@ -105,6 +110,14 @@ impl Observer for Fits {
 }
 
 /// Half words that settle have been fitted once more than they changed, and at most three times.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-6** Both layers MUST then be fitted with these half words (FIT) from the guard fit's `(a, s, k, σ)`, and
+//# the half words be found again by the fit's model, and fitted from its `(a, s, k, σ)`, until they are the same as
+//# before.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-7** A pair MUST be refused (`Unsettled`) whose half words have changed after the third fit.
 #[test]
 fn settled_half_words_have_been_fitted() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -136,6 +149,12 @@ fn settled_half_words_have_been_fitted() {
 
 /// Against all half words of `paper`, in float64 over the whole window, with noise that makes others as good: the trellis
 /// leaves out inks of at most 2^-8 and rounds residuals to 2^-5 grey levels.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-5** The half word of a layer MUST be the one with the smallest sum of squared differences between the
+//# pixels and their model (TRELLIS-11) over the layer's window but for the pixel of a step of light, found by the
+//# Viterbi algorithm over states of 4 code stripes, a pixel being counted with the last code stripe of `w_ij > 2^-8` as
+//# one that depends on this and the 4 code stripes before it.
 #[test]
 fn no_other_half_word_of_a_layer_is_better() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
@@ -223,6 +242,10 @@ fn what_has_no_guards_is_given_up() {
 /// Pixels whose middle lies between the outer edges of the code, widened by 3/2 px, or on one of them, do not count
 /// (`TRELLIS-2`): of an extent of 40 px from 100 the code is from 107.5 to 131.5, so that 106 to 133 are left out; the
 /// window is from 96 to 143.
+//= reference/SPEC.md#trellis
+//= type=test
+//# - **TRELLIS-2** The guard fit MUST leave out the pixels whose middle lies between the outer edges of the code by
+//# that start, or on one of them, after they are widened by 3/2 px on either side.
 #[test]
 fn the_guard_fit_leaves_out_the_ends_of_the_code() {
     let camera = Camera::epuck();

@@ -140,6 +140,16 @@ mod tests {
         viterbi.half_word()
     }
 
+    /// 15 units of 2^-4 and five eighths, and three sixteenths.
+    #[test]
+    fn residuals_are_rounded_to_nearest() {
+        for (residual, rounded) in [(15 * 16 + 10, 16_i32), (15 * 16 + 3, 15), (-15 * 16 - 10, -16)] {
+            let mut viterbi = Viterbi::new(1);
+            viterbi.count(residual, [0; REACH], Limited::Not);
+            assert_eq!(viterbi.branches, [(rounded * rounded).unsigned_abs() >> 4; 32], "{residual}");
+        }
+    }
+
     /// The sum of squares of a half word in 2^-16 squared grey levels, without any rounding.
     fn sum(stripes: u8, pixels: &[Pixel], word: u16) -> i64 {
         let square = |&(stripe, residual, steps, limited): &Pixel| {
@@ -164,6 +174,14 @@ mod tests {
         let residual = (-1020..25_i32).prop_map(|residual| 64 * residual);
         let limited = prop_oneof![3 => Just(Limited::Not), 1 => Just(Limited::Bright), 1 => Just(Limited::Dark)];
         (0..stripes, residual, [step.clone(), step.clone(), step.clone(), step.clone(), step], limited)
+    }
+
+    /// Where no pixel says anything all stripes are spaces, and so the way over a space is the one that stays.
+    #[test]
+    fn of_equals_the_space_stays() {
+        let mut search = Viterbi::new(40);
+        (0..12).for_each(|_| search.advance());
+        assert_eq!(search.half_word(), 0);
     }
 
     proptest! {

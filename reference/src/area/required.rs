@@ -16,6 +16,9 @@ pub struct Dimensions {
 }
 
 /// Why no landmark of the format reaches that far (AREA-7, AREA-8).
+//= reference/SPEC.md#area
+//# - **AREA-7** A range for which there are no such dimensions MUST be refused by the name of what stands against it:
+//# (3) and (4), (5), (6) or LAND-7.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NotWithThisCamera {
     /// The question has no meaning.
@@ -63,6 +66,10 @@ impl From<AreaRefusal> for NotWithThisCamera {
 
 /// The smallest stripe width and height with which a camera that looks at the barcode's centre reads it from `reach`
 /// metres away at an inclination in radians, for a narrowest stripe `L_min` in pixels (AREA-6 to AREA-8).
+//= reference/SPEC.md#area
+//# - **AREA-6** The dimensions required for a range at an inclination MUST be the smallest `X_dim` of LAND-7 and the
+//# smallest stripe height for which a camera that looks at the barcode's centre from there stands in the detection
+//# area.
 pub fn required(
     camera: &Camera,
     format: Format,

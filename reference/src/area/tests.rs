@@ -116,6 +116,10 @@ fn shoelace(outline: &[(f64, f64)]) -> f64 {
 
 /// The specification's table, in centimetres: stripe width 64.0, 61.1, 54.0, 43.2, 29.5 and scan line 50.0, 49.6, 49.2,
 /// 48.9, 48.7; whichever is smaller bounds the range.
+//= reference/SPEC.md#area
+//= type=test
+//# - **AREA-5** The range along a direction MUST be the largest distance from the barcode's centre within the area, and
+//# name the equation that bounds it.
 #[test]
 fn ranges_are_those_of_the_table() {
     use Limit::{ScanLineInclination, StripeWidth};
@@ -170,6 +174,10 @@ fn the_parabola_of_a_frontal_view_is_a_line() {
 
 /// A principal column at 39.5 of 480 leaves 40 px to the left and 440 px to the right: frontally the left end is in view
 /// from 15 mm · 640/40 = 24 cm on; farther to the left the whole barcode is from closer.
+//= reference/SPEC.md#area
+//= type=test
+//# - **AREA-2** Every edge MUST be in the horizontal field of view, `-1/2 <= o_x + f r(b_k)/D(b_k) <= Q_x - 1/2` for k
+//# = 0 and k = N (3), (4).
 #[test]
 fn the_principal_column_need_not_be_central() {
     let camera = Camera { principal_column: 39.5, ..Camera::epuck() };
@@ -183,6 +191,11 @@ fn the_principal_column_need_not_be_central() {
     assert!(area.bounds(beside).field_of_view.is_infinite() && area.range(-beside).distance > 0.5);
 }
 
+//= reference/SPEC.md#area
+//= type=test
+//# - **AREA-4** The deepest edge MUST NOT be deeper than both scan lines see nothing but stripes, `u + N X_dim |sin
+//# θ|/2 <= h f_y/(2 q)` with RANGE-2's `h` and `q` (6), and the area be empty if a scan line does not lie on its own
+//# layer's side of the axis.
 #[test]
 fn nothing_is_left_of_an_area_by_name() {
     // Stripes of 20 mm are 40 cm wide, and whole in view from 53 cm on; (6) ends at 50 cm.
@@ -201,6 +214,10 @@ fn nothing_is_left_of_an_area_by_name() {
     }
 }
 
+//= reference/SPEC.md#area
+//= type=test
+//# - **AREA-8** An inclination outside ±90°, an `L_min` outside 0.1 to 100 px and a range that is not a positive number
+//# MUST be refused.
 #[test]
 fn questions_without_meaning_are_refused() {
     let new = |inclination, pixels| Area::new(&Camera::epuck(), &Landmark::new(Format::Paper), inclination, pixels);
@@ -219,6 +236,10 @@ fn questions_without_meaning_are_refused() {
 
 /// Inside is where every condition holds when the stripes are projected, except closer than 1e-9 (as a share; pixels for
 /// columns) to one of the boundaries.
+//= reference/SPEC.md#area
+//= type=test
+//# - **AREA-1** The detection area of a camera, a landmark, an inclination θ and an `L_min` MUST be the places `(x, y)`
+//# with `x > 0` and `D(b_k) > 0`, k = 0..N, that meet AREA-2 to AREA-4, their boundaries included.
 #[test]
 fn inside_is_where_the_projected_stripes_say_so() {
     let (inside, outside) = (Cell::new(0), Cell::new(0));
@@ -344,6 +365,10 @@ fn oblique_areas_end_at_the_wall() {
 
 proptest! {
     /// The paper's (2) as CAM-4 reads it, with `B_1` and `B_2` of a camera at the boundary (5) in any direction.
+    //= reference/SPEC.md#area
+    //= type=test
+    //# - **AREA-3** The narrowest stripe MUST be at least `L_min` wide, `(u + N X_dim |sin θ|/2)(u + (N - 2) X_dim |sin
+    //# θ|/2) <= f X_dim x/L_min` (5) (ERRATA-2).
     #[test]
     fn at_the_boundary_the_narrowest_stripe_has_the_least_width(view in view(), turned in -1.0..1.0f64) {
         let area = view.area();
@@ -394,6 +419,11 @@ proptest! {
 
     /// With the dimensions that are required the camera stands at the border of the area, and with slightly smaller ones
     /// outside; whatever is refused no dimensions on a grid of LAND-7's will do.
+    //= reference/SPEC.md#area
+    //= type=test
+    //# - **AREA-6** The dimensions required for a range at an inclination MUST be the smallest `X_dim` of LAND-7 and
+    //# the smallest stripe height for which a camera that looks at the barcode's centre from there stands in the
+    //# detection area.
     #[test]
     fn required_dimensions_are_the_smallest_that_will_do(view in view(), reach in 0.02..4.0f64) {
         let View { camera, inclination, min_stripe_pixels, .. } = view;
@@ -431,6 +461,10 @@ fn view_field(view: &View, format: Format, stripe_width: f64, reach: f64) -> f64
 }
 
 /// Each refusal by its name, and one landmark by hand: 1 m at 0° takes 1 m · 1.5/640 = 2.34 mm and half of 1 m · 8/80.
+//= reference/SPEC.md#area
+//= type=test
+//# - **AREA-7** A range for which there are no such dimensions MUST be refused by the name of what stands against it:
+//# (3) and (4), (5), (6) or LAND-7.
 #[test]
 fn requirements_by_hand() {
     let epuck = Camera::epuck();

@@ -130,6 +130,9 @@ impl<'a> Pilot<'a> {
     }
 
     /// What to do for a tick, or nothing at the ride's end (WORLD-5). On a leg it takes one normal deviate.
+    //= reference/SPEC.md#world
+    //# - **WORLD-5** The pilot MUST command a speed and a turn rate for each tick, from the robot's true pose at its
+    //# beginning, until all laps are driven; the run ends with the next reading.
     pub fn steer<R: Rng + ?Sized>(&mut self, robot: &Pose<World, Robot>, rng: &mut R) -> Option<Command> {
         if self.done == self.ride.legs() {
             return None;
@@ -163,6 +166,9 @@ impl<'a> Pilot<'a> {
     }
 
     /// WORLD-6. Far from its end a turn keeps its side, also where the way round is as long.
+    //= reference/SPEC.md#world
+    //# - **WORLD-6** At the end of a leg the robot MUST turn on the spot towards the next, at 6/s of what is missing
+    //# but at least at 0.05 rad/s and at most at the ride's rate, until less than 0.01 rad is missing.
     fn on_the_spot(&self, robot: &Pose<World, Robot>, side: f64) -> Command {
         let missing = self.missing(robot);
         let side = if missing.abs() < FRAC_PI_2 { missing.signum() } else { side };
@@ -171,6 +177,12 @@ impl<'a> Pilot<'a> {
     }
 
     /// WORLD-7, WORLD-8.
+    //= reference/SPEC.md#world
+    //# - **WORLD-7** On a leg the robot MUST go at the ride's speed and turn by `-(η + 4 λ)/s` plus the wander, within
+    //# 0.3 rad/s, with its heading `η` from the leg's and its offset `λ` to the leg's left, in metres.
+    //= reference/SPEC.md#world
+    //# - **WORLD-8** The wander MUST be a normal process of the ride's standard deviation, by default 0.02 rad/s, that
+    //# forgets itself over 2 s and is limited to three standard deviations.
     fn along_the_leg<R: Rng + ?Sized>(&mut self, robot: &Pose<World, Robot>, rng: &mut R) -> Command {
         let leg = self.ride.leg(self.leg);
         let kept = (-TICK_SECONDS / WANDER_SECONDS).exp();
@@ -192,6 +204,9 @@ impl<'a> Pilot<'a> {
     }
 
     /// Puts the robot down on another leg, from where the ride goes on; the legs that are left stay as many (WORLD-21).
+    //= reference/SPEC.md#world
+    //# - **WORLD-21** It MUST be put down on another leg, 10 % to 50 % along it, with normal errors of 20 mm across and
+    //# 0.05 rad, limited to three standard deviations, and drive on from there for as many legs as it would have.
     pub(super) fn put_elsewhere<R: Rng + ?Sized>(&mut self, rng: &mut R) -> Pose<World, Robot> {
         let count = self.ride.points.len();
         self.leg = (self.leg + rng.random_range(1..count)) % count;
@@ -240,6 +255,10 @@ mod tests {
     }
 
     /// Two laps of a square of 0.4 m: 64 s of legs, 7 quarter turns on the spot.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-6** At the end of a leg the robot MUST turn on the spot towards the next, at 6/s of what is missing
+    //# but at least at 0.05 rad/s and at most at the ride's rate, until less than 0.01 rad is missing.
     #[test]
     fn legs_are_driven_and_corners_turned_at_the_stated_rates() {
         let ride = ride(&[[0.0, 0.0], [0.4, 0.0], [0.4, 0.4], [0.0, 0.4]], 0.0);
@@ -268,6 +287,14 @@ mod tests {
 
     /// `θ' = -θ - 4 y + w` and `y' = v θ` are overdamped, so that a wander of at most 0.06 rad/s leads at most to
     /// its steady state `y = w/4`, 15 mm.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-7** On a leg the robot MUST go at the ride's speed and turn by `-(η + 4 λ)/s` plus the wander, within
+    //# 0.3 rad/s, with its heading `η` from the leg's and its offset `λ` to the leg's left, in metres.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-8** The wander MUST be a normal process of the ride's standard deviation, by default 0.02 rad/s, that
+    //# forgets itself over 2 s and is limited to three standard deviations.
     #[test]
     fn wander_is_bounded_and_corrected() {
         let ride = Ride { laps: 1, ..ride(&[[0.0, 0.0], [60.0, 0.0]], 0.02) };
@@ -299,6 +326,10 @@ mod tests {
         assert!((pilot.share(&Pose::new(0.4, 0.1, 0.0)) - 1.5 / 6.0).abs() < 1e-12);
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-21** It MUST be put down on another leg, 10 % to 50 % along it, with normal errors of 20 mm across and
+    //# 0.05 rad, limited to three standard deviations, and drive on from there for as many legs as it would have.
     #[test]
     fn put_elsewhere_is_near_another_leg() {
         let ride = ride(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 0.0);

@@ -33,6 +33,9 @@ enum Purpose {
 const PURPOSES: u64 = 8;
 
 /// The generator of a run for a purpose (WORLD-22).
+//= reference/SPEC.md#world
+//# - **WORLD-22** A run MUST follow from its setup, a seed and its number alone, with random streams of their own for
+//# the wheels, the ride, the noise, the disturbances and the carrying, so that a change of one leaves the others.
 fn generator(seed: u64, number: u64, purpose: Purpose) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number.wrapping_mul(PURPOSES) + purpose as u64);
@@ -147,6 +150,9 @@ impl<'a> Run<'a> {
     }
 
     /// WORLD-20: once, where the share of the ride is reached.
+    //= reference/SPEC.md#world
+    //# - **WORLD-20** A robot that is to be lifted MUST be lifted at the first tick at which the stated share of the
+    //# ride's legs is done, for a stated time in which no step is counted.
     fn look_for_a_lift(&mut self) {
         if let (Some(lift), None) = (self.setup.lift, self.lifted)
             && self.pilot.share(&self.pose) >= lift.at
@@ -214,6 +220,12 @@ impl Iterator for Run<'_> {
 }
 
 /// What the robot is told of where it stands (WORLD-18, WORLD-19): three normal deviates, then three uniform ones.
+//= reference/SPEC.md#world
+//# - **WORLD-18** The robot MUST be told its start with a normal error, by default of 5 mm along x and y and of 0.02
+//# rad, and these standard deviations.
+//= reference/SPEC.md#world
+//# - **WORLD-19** A start that is wrong MUST be 0.3 to 1 m farther away in any direction, with any heading, and be told
+//# with the same standard deviations.
 fn told<R: Rng + ?Sized>(pose: &Pose<World, Robot>, told: &Told, rng: &mut R) -> Start {
     let mut deviate = |sigma: f64| {
         let deviate: f64 = StandardNormal.sample(rng);

@@ -52,6 +52,9 @@ pub struct Obstacle {
 
 impl Obstacle {
     /// An obstacle somewhere before a line; three uniform deviates.
+    //= reference/SPEC.md#world
+    //# - **WORLD-16** With a stated probability an image MUST have an obstacle in front of both lines, from 1/16 to 1/2
+    //# of the line wide, anywhere before it, of one ink from 0 to 1.
     fn draw<R: Rng + ?Sized>(width: usize, rng: &mut R) -> Self {
         let width = width as f64;
         let extent = width * rng.random_range(1.0 / 16.0..0.5);
@@ -134,6 +137,9 @@ impl View<'_> {
     /// Both scan lines of an image (WORLD-13 to WORLD-17).
     ///
     /// `rng` gives the deviates of [`crate::render::render`].
+    //= reference/SPEC.md#world
+    //# - **WORLD-13** A row's exposure MUST be centred on EXPOSE-1's time and last as long as is stated, at most the
+    //# row's share of the capture, which is the default.
     pub(super) fn expose<R: Rng + ?Sized>(
         &self,
         shutter: &Shutter,
@@ -165,6 +171,11 @@ impl View<'_> {
     }
 
     /// The mean of a row's ink over the poses of its exposure (WORLD-14). While the robot is lifted all is white (WORLD-15).
+    //= reference/SPEC.md#world
+    //# - **WORLD-14** A row's ink MUST be the mean of RENDER's over poses at the middles of equal parts of the
+    //# exposure, as many that no end of a barcode moves by more than 1/4 px from one to the next.
+    //= reference/SPEC.md#world
+    //# - **WORLD-15** A robot off the ground MUST see a white wall.
     fn mean_ink(&self, all: &mut Scene, row: usize, begin: f64, end: f64) -> Vec<f64> {
         let poses = self.poses(begin, end);
         let mut sum = vec![0.0; self.place.camera.width];
@@ -227,6 +238,9 @@ fn farthest(before: &[Option<[f64; 2]>], after: &[Option<[f64; 2]>]) -> f64 {
 }
 
 /// Another payload that has a code word and stands for a pose of the grid (WORLD-17).
+//= reference/SPEC.md#world
+//# - **WORLD-17** With a stated probability a landmark that is seen in an image MUST be drawn there with another
+//# payload that has a code word and stands for a pose of the site's grid (GRID-6).
 fn false_payload<R: Rng + ?Sized>(place: &Place, posted: &Posted, rng: &mut R) -> u32 {
     let format = posted.landmark.format;
     loop {
@@ -295,6 +309,10 @@ mod tests {
         line.iter().enumerate().map(|(i, pixel)| i as f64 * ink(pixel)).sum::<f64>() / total
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-13** A row's exposure MUST be centred on EXPOSE-1's time and last as long as is stated, at most the
+    //# row's share of the capture, which is the default.
     #[test]
     fn rows_are_exposed_one_after_another() {
         // 18.75 ms and 281.25 ms after the beginning; the middle of a row's share is rounded down.
@@ -309,6 +327,25 @@ mod tests {
             let image = image(&place, &moving(pose, [0.0; 3]), &Shutter::default(), &QUIET);
             assert_eq!(image, standing(&place, Pose::new(pose[0], pose[1], pose[2])));
         }
+    }
+
+    /// A wall that hides a part of the landmark hides all of it, and one that hides nothing changes nothing.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-11** Only landmarks that are not hidden MUST be given to the renderer (RENDER-8), whole.
+    #[test]
+    fn what_is_hidden_is_not_drawn() {
+        let pose = [0.3, 0.0, PI];
+        let with = |wall: Option<[[f64; 2]; 2]>| {
+            let point = |[x, y]: [f64; 2]| crate::frame::Point::new(x, y);
+            let walls = wall.map(|[from, to]| crate::world::Wall { from: point(from), to: point(to) });
+            let place = Place { walls: walls.into_iter().collect(), ..place(2.0) };
+            image(&place, &moving(pose, [0.0; 3]), &Shutter::default(), &QUIET)
+        };
+        let nothing = standing(&Place { landmarks: vec![], ..place(2.0) }, Pose::new(pose[0], pose[1], pose[2]));
+        assert_eq!(with(Some([[0.1, 0.005], [0.1, 0.1]])), nothing);
+        assert_eq!(with(Some([[0.1, 0.05], [0.1, 0.1]])), with(None));
+        assert_ne!(with(None), nothing);
     }
 
     /// At 0.05 rad/s to the left the barcode moves to the right, and in the lower row is 8.4 px farther.
@@ -326,6 +363,10 @@ mod tests {
     }
 
     /// 24 px in 37.5 ms: six times the width of a stripe.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-14** A row's ink MUST be the mean of RENDER's over poses at the middles of equal parts of the
+    //# exposure, as many that no end of a barcode moves by more than 1/4 px from one to the next.
     #[test]
     fn a_fast_turn_smears_what_a_short_exposure_keeps() {
         let place = place(2.0);
@@ -348,6 +389,9 @@ mod tests {
     }
 
     /// In somebody's hands from the middle of the upper row's exposure on: half of its light is that of a white wall.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-15** A robot off the ground MUST see a white wall.
     #[test]
     fn a_lifted_robot_sees_white() {
         let place = place(0.0);
@@ -360,6 +404,10 @@ mod tests {
         assert!(View { place: &place, track: &track }.seen(0, 300_000).is_empty());
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-16** With a stated probability an image MUST have an obstacle in front of both lines, from 1/16 to 1/2
+    //# of the line wide, anywhere before it, of one ink from 0 to 1.
     #[test]
     fn obstacles_stand_before_a_part_of_both_lines_as_often_as_stated() {
         let (place, track) = (place(0.0), moving([0.3, 0.0, PI], [0.0; 3]));
@@ -383,6 +431,10 @@ mod tests {
         assert_eq!(payloads(&place, &covered), [0; 0]);
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-17** With a stated probability a landmark that is seen in an image MUST be drawn there with another
+    //# payload that has a code word and stands for a pose of the site's grid (GRID-6).
     #[test]
     fn false_payloads_are_drawn_as_often_as_stated_and_can_be_read() {
         let (mut place, track) = (place(2.0), moving([0.3, 0.0, PI], [0.0; 3]));

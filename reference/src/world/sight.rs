@@ -44,6 +44,8 @@ pub(super) type Ends = [f64; 2];
 
 /// The barcode's ends as a camera sees them, if it is in sight (WORLD-11): in front, with ink in the rows' reach, on the
 /// image or so near to it that its blur is, and behind no wall.
+//= reference/SPEC.md#world
+//# - **WORLD-11** Only landmarks that are not hidden MUST be given to the renderer (RENDER-8), whole.
 pub(super) fn ends(place: &Place, camera: &Pose<World, frame::Camera>, posted: &Posted) -> Option<Ends> {
     let camera_in_landmark = posted.landmark_in_world.inverse() * *camera;
     let half = posted.landmark.half_width();
@@ -57,6 +59,9 @@ pub(super) fn ends(place: &Place, camera: &Pose<World, frame::Camera>, posted: &
 }
 
 /// Whether a wall comes between the camera and any part of a barcode (WORLD-10).
+//= reference/SPEC.md#world
+//# - **WORLD-10** A landmark MUST be hidden where a wall comes into the triangle between the camera and the ends of the
+//# barcode, but for the last 2 mm before it.
 fn hidden(place: &Place, camera: &Pose<World, frame::Camera>, posted: &Posted) -> bool {
     let half = posted.landmark.half_width();
     let [left, right] = [-half, half].map(|b| posted.landmark_in_world.place(&Point::new(STAND_OFF, b)));
@@ -64,6 +69,9 @@ fn hidden(place: &Place, camera: &Pose<World, frame::Camera>, posted: &Posted) -
 }
 
 /// Whether all of a barcode is in sight and on the image (WORLD-12).
+//= reference/SPEC.md#world
+//# - **WORLD-12** A landmark MUST count as *seen* in an image if in the middle of the exposures of both scan lines it
+//# is not hidden, nearer than RANGE-4's distance, and has all of its barcode in the image.
 pub(super) fn whole(place: &Place, camera: &Pose<World, frame::Camera>, posted: &Posted) -> bool {
     let on_image = |column: &f64| (-0.5..=place.camera.width as f64 - 0.5).contains(column);
     ends(place, camera, posted).is_some_and(|ends| ends.iter().all(on_image))
@@ -93,6 +101,10 @@ mod tests {
         ends(&place, &Pose::new(camera[0], camera[1], camera[2]), &posted).is_some()
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-10** A landmark MUST be hidden where a wall comes into the triangle between the camera and the ends of
+    //# the barcode, but for the last 2 mm before it.
     #[test]
     fn walls_hide_what_is_behind_them() {
         let ahead = [0.3, 0.0, PI];
@@ -107,6 +119,10 @@ mod tests {
         assert!(in_sight(&[wall([0.15, 0.02], [0.15, 1.0]), wall([0.0, 0.05], [1.0, 0.05])], ahead));
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-12** A landmark MUST count as *seen* in an image if in the middle of the exposures of both scan lines
+    //# it is not hidden, nearer than RANGE-4's distance, and has all of its barcode in the image.
     #[test]
     fn what_is_seen_from_behind_or_beside_the_image_is_not_in_sight() {
         assert!(!in_sight(&[], [-0.3, 0.0, 0.0]) && !in_sight(&[], [0.3, 0.0, 0.0]));

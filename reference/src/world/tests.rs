@@ -72,6 +72,10 @@ fn largest(found: &[Pose<World, Robot>], truth: &[Truth]) -> [f64; 2] {
     found.iter().zip(truth).map(apart).fold([0.0, 0.0], |most, one| [most[0].max(one[0]), most[1].max(one[1])])
 }
 
+//= reference/SPEC.md#world
+//= type=test
+//# - **WORLD-5** The pilot MUST command a speed and a turn rate for each tick, from the robot's true pose at its
+//# beginning, until all laps are driven; the run ends with the next reading.
 #[test]
 fn the_robot_keeps_to_the_route() {
     let setup = blind(2);
@@ -116,6 +120,10 @@ fn odometry_of_known_wheels_is_right_but_for_the_steps() {
     }
 }
 
+//= reference/SPEC.md#world
+//= type=test
+//# - **WORLD-22** A run MUST follow from its setup, a seed and its number alone, with random streams of their own for
+//# the wheels, the ride, the noise, the disturbances and the carrying, so that a change of one leaves the others.
 #[test]
 fn the_same_seed_gives_the_same_run_in_any_thread() {
     let mut setup = triangle(1);
@@ -185,6 +193,10 @@ fn images_show_the_landmark_ahead() {
     assert!(nothing.lines.iter().flatten().all(|&pixel| pixel > 185), "7 standard deviations below white");
 }
 
+//= reference/SPEC.md#world
+//= type=test
+//# - **WORLD-20** A robot that is to be lifted MUST be lifted at the first tick at which the stated share of the ride's
+//# legs is done, for a stated time in which no step is counted.
 #[test]
 fn a_lift_is_blind_and_deaf_and_ends_on_another_leg() {
     let mut setup = triangle(1);
@@ -214,6 +226,14 @@ fn a_lift_is_blind_and_deaf_and_ends_on_another_leg() {
     assert!((85.0..99.0).contains(&seconds), "{seconds}");
 }
 
+//= reference/SPEC.md#world
+//= type=test
+//# - **WORLD-18** The robot MUST be told its start with a normal error, by default of 5 mm along x and y and of 0.02
+//# rad, and these standard deviations.
+//= reference/SPEC.md#world
+//= type=test
+//# - **WORLD-19** A start that is wrong MUST be 0.3 to 1 m farther away in any direction, with any heading, and be told
+//# with the same standard deviations.
 #[test]
 fn the_robot_is_told_where_it_starts_more_or_less() {
     let mut setup = blind(0);
@@ -234,6 +254,15 @@ fn the_robot_is_told_where_it_starts_more_or_less() {
     assert!(far.iter().all(|far| (0.3 - 1e-9..1.0).contains(far)) && far.iter().any(|&far| far > 0.95));
     let around = wrong.iter().filter(|pose| wrap(pose.theta() - begin.theta()).abs() > PI / 2.0).count();
     assert!(around.abs_diff(500) < 64, "half of the headings are backwards: {around}");
+}
+
+//= reference/SPEC.md#observe
+//= type=test
+//# - **OBSERVE-1** The camera MUST by default be mounted 3 cm ahead of the axle's middle, looking ahead.
+#[test]
+fn the_camera_is_three_centimetres_ahead() {
+    let camera = Place::default().camera_in_robot;
+    assert!((camera.x() - 0.03).abs() < 1e-15 && camera.y().abs() < 1e-15 && camera.theta().abs() < 1e-15);
 }
 
 #[test]

@@ -41,6 +41,8 @@ impl Track {
     /// The robot's pose at a time, microseconds, between ticks in proportion; none while it was lifted.
     ///
     /// Before the first tick that is known, and after the last one, it is that one's.
+    //= reference/SPEC.md#world
+    //# - **WORLD-9** Between two ticks the robot MUST count as moving evenly from one pose to the other.
     pub(super) fn at(&self, time: f64) -> Option<Pose<World, Robot>> {
         let ticks = (time / TICK as f64 - self.first as f64).clamp(0.0, (self.ticks.len() - 1) as f64);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to the number of ticks")]
@@ -63,6 +65,9 @@ mod tests {
     use super::*;
     use core::f64::consts::PI;
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-9** Between two ticks the robot MUST count as moving evenly from one pose to the other.
     #[test]
     fn between_ticks_a_pose_is_in_proportion_and_turns_the_short_way() {
         let mut track = Track::new(Pose::new(0.0, 1.0, 3.1));

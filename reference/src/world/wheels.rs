@@ -45,6 +45,9 @@ pub struct Wheels {
 
 impl Wheels {
     /// The wheels of a robot of this make; two normal deviates (WORLD-2).
+    //= reference/SPEC.md#world
+    //# - **WORLD-2** The wheels' `e` and `g` MUST be drawn once a run from normal distributions around 0, by default of
+    //# standard deviation 0.002 and 0.005.
     pub fn draw<R: Rng + ?Sized>(sigma: &Imperfections, rng: &mut R) -> Self {
         let [e, g]: [f64; 2] = [StandardNormal.sample(rng), StandardNormal.sample(rng)];
         Self { wheel_difference: sigma.wheel_difference * e, axle_excess: sigma.axle_excess * g, slip: sigma.slip }
@@ -53,6 +56,12 @@ impl Wheels {
     /// Where the robot is after its wheels have rolled `ways`, metres by their nominal diameter (WORLD-1, WORLD-3).
     ///
     /// `drive` gives the nominal axle; two normal deviates, the left wheel's first.
+    //= reference/SPEC.md#world
+    //# - **WORLD-1** The robot MUST move as MOTION-2 and MOTION-3 say, with the `e` and `g` of its own wheels and with
+    //# what these rolled in a tick, slip included.
+    //= reference/SPEC.md#world
+    //# - **WORLD-3** A wheel that rolls `l` MUST slip by a normal deviate of variance `q |l|`, by default `q = 1e-6 m`,
+    //# independent of everything else.
     pub fn roll<R: Rng + ?Sized>(
         &self,
         robot_in_world: &Pose<World, Robot>,
@@ -72,6 +81,9 @@ impl Wheels {
 }
 
 /// What a wheel has rolled by its nominal diameter, in whole steps (WORLD-4).
+//= reference/SPEC.md#world
+//# - **WORLD-4** Every 100 ms a reading MUST say how many whole steps (MOTION-1) each wheel has made since the one
+//# before: the difference of what was rolled without slip, rounded down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StepCounter {
     rolled: Ways,
@@ -111,6 +123,10 @@ mod tests {
         assert!((square - 1.0).abs() < 4.0 * (2.0 / count).sqrt(), "mean square {square}");
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-2** The wheels' `e` and `g` MUST be drawn once a run from normal distributions around 0, by default of
+    //# standard deviation 0.002 and 0.005.
     #[test]
     fn robots_differ_by_what_is_stated() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -124,6 +140,10 @@ mod tests {
 
     /// Half a metre straight on and a quarter of a metre back are 0.75 m of slip: at once or in small parts, a variance of
     /// 0.75e-6 m² per wheel, half of that along (both wheels' mean), twice by the axle across.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-3** A wheel that rolls `l` MUST slip by a normal deviate of variance `q |l|`, by default `q = 1e-6 m`,
+    //# independent of everything else.
     #[test]
     fn slip_is_a_millimetre_per_root_metre_and_wheel() {
         let wheels = Wheels { wheel_difference: 0.0, axle_excess: 0.0, slip: 1e-3 };
@@ -153,6 +173,10 @@ mod tests {
     }
 
     /// A right wheel that is larger turns the robot left, a longer axle turns it less.
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-1** The robot MUST move as MOTION-2 and MOTION-3 say, with the `e` and `g` of its own wheels and with
+    //# what these rolled in a tick, slip included.
     #[test]
     fn signs_are_those_of_the_state() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -165,6 +189,10 @@ mod tests {
         assert!((turn(0.0, 0.01, -0.01, 0.01) - 0.02 / 0.053 / 1.01).abs() < 1e-12);
     }
 
+    //= reference/SPEC.md#world
+    //= type=test
+    //# - **WORLD-4** Every 100 ms a reading MUST say how many whole steps (MOTION-1) each wheel has made since the one
+    //# before: the difference of what was rolled without slip, rounded down.
     #[test]
     fn steps_are_whole_and_none_is_lost() {
         let mut counter = StepCounter::default();

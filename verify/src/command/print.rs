@@ -170,6 +170,9 @@ fn piece(grid: &Grid, format: Format, wish: &Wish) -> Result<Piece, Refusal> {
     }
 }
 
+//= reference/SPEC.md#print
+//# - **PRINT-11** A caption MUST give the pose that the payload stands for, or the identifier, and the payload in
+//# hexadecimal digits.
 fn piece_of_pose(grid: &Grid, format: Format, [x, y, degrees]: [f64; 3]) -> Result<Piece, Refusal> {
     let wanted = Pose::new(x, y, degrees.to_radians());
     let refused = |refusal: GridRefusal| {

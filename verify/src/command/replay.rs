@@ -102,6 +102,9 @@ impl Truth {
         None
     }
 
+    //= reference/SPEC.md#route
+    //# - **ROUTE-11** With a log's truth each estimate MUST be compared with the truth at its time, in proportion
+    //# between two stamps that are at most 500 ms apart, and not at all elsewhere.
     fn at(&self, time: Time) -> Option<Pose<World, Robot>> {
         let (to, after) = self.known[1]?;
         if time == to {
@@ -154,6 +157,9 @@ impl Totals {
 }
 
 /// When a ride begins whose first reading is at a time (ROUTE-8).
+//= reference/SPEC.md#route
+//# - **ROUTE-8** A log MUST begin at the clock's zero if its first reading is later than that by at most 1 s, and
+//# otherwise with its first reading, of which only the time counts then.
 fn begin(first: Time) -> Time {
     if (1..=STARTED_WITH_THE_LOG).contains(&first.as_micros()) { Time::default() } else { first }
 }
@@ -296,6 +302,10 @@ mod tests {
     }
 
     /// Truths of a camera on the ceiling, which has a clock of its own: 1 m ahead and 0.4 rad more from 100 to 300 ms.
+    //= reference/SPEC.md#route
+    //= type=test
+    //# - **ROUTE-11** With a log's truth each estimate MUST be compared with the truth at its time, in proportion
+    //# between two stamps that are at most 500 ms apart, and not at all elsewhere.
     #[test]
     fn the_truth_is_taken_between_its_stamps() {
         let mut totals = Totals::default();
@@ -316,6 +326,10 @@ mod tests {
         assert_eq!(totals.errors[0].count, 2);
     }
 
+    //= reference/SPEC.md#route
+    //= type=test
+    //# - **ROUTE-8** A log MUST begin at the clock's zero if its first reading is later than that by at most 1 s, and
+    //# otherwise with its first reading, of which only the time counts then.
     #[test]
     fn a_clock_that_is_not_the_log_s_begins_with_the_first_reading() {
         let at = Time::from_micros;

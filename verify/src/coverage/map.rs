@@ -36,6 +36,9 @@ const UNREAD: &str = "#d95f02";
 const LANDMARK: &str = "#c2002f";
 
 /// A plan of the site as SVG: shares of headings in the region, what is read along the route, walls, landmarks, scale.
+//= reference/SPEC.md#site
+//# - **SITE-15** The heat map MUST show walls, landmarks, the route, the share of headings with a colour legend, axes
+//# in metres and a scale.
 #[must_use]
 pub fn heat_map(site: &Site, region: Option<&RegionCoverage>, route: Option<&RouteCoverage>) -> String {
     let plan = Plan::of(site);

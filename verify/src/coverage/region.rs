@@ -88,6 +88,9 @@ pub fn cover_region(
 }
 
 /// The middles of the cells that the region has in it.
+//= reference/SPEC.md#site
+//# - **SITE-14** A region MUST be looked at from the middles of square cells, by default of 20 mm, each with equally
+//# many headings, by default 72.
 fn middles(region: &Region, cell: f64, headings: usize) -> Result<Vec<[f64; 2]>, CoverageError> {
     let points = || region.rings.iter().flatten();
     let bound = |axis: usize| {

@@ -57,6 +57,9 @@ impl RouteCoverage {
 
 /// Poses along a route: every leg in the least number of equal pieces of at most `step` metres, each of these again in
 /// `refine` pieces, which for odd numbers keeps the middles of the former (SITE-12).
+//= reference/SPEC.md#site
+//# - **SITE-12** A route MUST be looked at from the middles of equal pieces of each leg that are no longer than the
+//# step, by default 5 mm, with the robot's heading along the leg.
 pub fn samples(route: &Route, step: f64, refine: usize) -> Result<Vec<Sample>, CoverageError> {
     let legs: Vec<_> = legs(route).collect();
     check(step, refine as f64 * legs.iter().map(|&leg| (length(leg) / step).ceil()).sum::<f64>())?;
@@ -125,6 +128,9 @@ pub fn cover_route(
 ///
 /// These are points of the route from which something is read, so that whatever lies between the samples, no piece
 /// without a readable landmark is longer.
+//= reference/SPEC.md#site
+//# - **SITE-13** The longest gap of a route MUST be the longest way between neighbouring poses from which something is
+//# readable, on a closed route also over its end, on an open one also from and to its ends.
 #[must_use]
 pub fn longest_gap(read: &[f64], length: f64, closed: bool) -> Option<Gap> {
     let (Some(&first), Some(&last)) = (read.first(), read.last()) else {
@@ -143,6 +149,10 @@ pub fn longest_gap(read: &[f64], length: f64, closed: bool) -> Option<Gap> {
 mod tests {
     use super::*;
 
+    //= reference/SPEC.md#site
+    //= type=test
+    //# - **SITE-13** The longest gap of a route MUST be the longest way between neighbouring poses from which something
+    //# is readable, on a closed route also over its end, on an open one also from and to its ends.
     #[test]
     fn gaps_reach_around_a_closed_route_and_to_the_ends_of_an_open_one() {
         let read = [1.0, 2.0, 4.5];
@@ -154,6 +164,10 @@ mod tests {
         assert_eq!(longest_gap(&[], 4.0, true), None);
     }
 
+    //= reference/SPEC.md#site
+    //= type=test
+    //# - **SITE-12** A route MUST be looked at from the middles of equal pieces of each leg that are no longer than the
+    //# step, by default 5 mm, with the robot's heading along the leg.
     #[test]
     fn samples_are_the_middles_of_equal_pieces() {
         let route = Route { points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 0.5]], closed: false };

@@ -31,6 +31,11 @@ impl<'a> View<'a> {
     }
 
     /// Whether the robot at a pose could read a landmark if it were the only one (SITE-10).
+    //= reference/SPEC.md#site
+    //# - **SITE-10** A landmark MUST count as readable from a pose of the robot where the camera is in front of its
+    //# wall, all of its edges are in the image at a positive depth of at most RANGE-2's distance at 0°, its narrowest
+    //# stripe is at least `L_min` (RANGE-1) wide, and no wall comes between the camera and any part of the barcode, but
+    //# for the last 2 mm before it.
     #[must_use]
     pub fn shows(&self, robot_in_world: &Pose<World, Robot>, posted: &Posted) -> bool {
         let camera_in_world = *robot_in_world * self.camera_in_robot;
@@ -66,6 +71,9 @@ impl<'a> View<'a> {
     }
 
     /// Whether `other` stands too near to `posted` in the image for the detector to tell them apart (SITE-11).
+    //= reference/SPEC.md#site
+    //# - **SITE-11** A landmark MUST NOT count as readable where another one that darkens the image is nearer to it
+    //# there than 1.5 times the narrower of both barcodes.
     #[must_use]
     pub(crate) fn crowds(&self, robot_in_world: &Pose<World, Robot>, other: &Posted, posted: &Posted) -> bool {
         let [Some([a_left, a_right]), Some([b_left, b_right])] =

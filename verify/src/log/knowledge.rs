@@ -199,6 +199,10 @@ pub enum Stamp {
 
 impl Default for Knowledge {
     /// An e-puck on the default grid (LOG-16).
+    //= reference/SPEC.md#log
+    //# - **LOG-16** What it leaves out MUST be: GRID's default grid, both formats or those of its landmarks, the
+    //# `epuck` camera, OBSERVE-1's mounting, MOTION-8's wheels, a start at (0, 0, 0) known to 5 mm, 5 mm and 0.02 rad,
+    //# five states, images as observations, and mid-exposure as the stamp.
     fn default() -> Self {
         let epuck = Drive::epuck();
         Self {

@@ -30,6 +30,8 @@ impl<R: BufRead> TextLines<R> {
     }
 
     /// The next line that is not blank, and its number.
+    //= reference/SPEC.md#log
+    //# - **LOG-13** The memory that reading takes MUST NOT grow with the number of rows.
     pub(super) fn next(&mut self) -> io::Result<Option<(u64, Line<'_>)>> {
         loop {
             self.text.clear();

@@ -22,6 +22,10 @@ pub(super) struct Pace {
 
 impl Pace {
     /// What is odd about a row's arrival; of a reading also that it comes at the same time or after a gap.
+    //= reference/SPEC.md#log
+    //# - **LOG-12** A row whose arrival is before that of the row before it in its file MUST be warned, as a reading is
+    //# that repeats the time before it, that comes more than 1 s after it, or that comes after more than five times the
+    //# median of the up to 99 last steps of time.
     pub(super) fn next(&mut self, time: Time, reading: bool) -> Option<(Reason, String)> {
         let last = self.last.replace(time)?;
         if time < last {

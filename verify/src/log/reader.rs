@@ -61,6 +61,9 @@ impl LogReader {
     }
 
     /// A log whose tables come from somewhere else (LOG-1).
+    //= reference/SPEC.md#log
+    //# - **LOG-1** A log MUST be a folder with `odometry.csv`, at most one of `frames.csv` and `observations.csv`, and,
+    //# where they exist, `truth.csv` and `robot.toml`; both of the two are refused.
     pub fn from_sources(folder: &Path, camera: &Camera, sources: Sources) -> Result<Self, Fault> {
         if sources.frames.is_some() && sources.observations.is_some() {
             let what = format!("has both {FRAMES} and {OBSERVATIONS}; one of them has to go");
@@ -102,6 +105,10 @@ impl LogReader {
 impl Iterator for LogReader {
     type Item = Result<Event, Fault>;
 
+    //= reference/SPEC.md#log
+    //# - **LOG-11** Rows MUST be delivered in the order of their arrival, which is `t_s` and of an image
+    //# `t_processed_s`, at one time readings first, then what was seen, then the truth; within a file its own order
+    //# stands.
     fn next(&mut self) -> Option<Self::Item> {
         for track in &mut self.tracks {
             if let Err(fault) = track.fill(&mut self.summary) {

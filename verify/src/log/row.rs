@@ -127,6 +127,8 @@ impl<'a> Row<'a> {
     }
 
     /// A number of at most `most` in absolute value (LOG-4, LOG-6, LOG-7).
+    //= reference/SPEC.md#log
+    //# - **LOG-7** Coordinates beyond ±100 m, angles beyond ±10^6 rad and numbers that are not finite MUST be refused.
     pub(super) fn number(&self, column: usize, most: f64) -> Result<f64, Refusal> {
         let value = self.finite(column)?;
         if value.abs() <= most {
@@ -136,6 +138,8 @@ impl<'a> Row<'a> {
     }
 
     /// Steps of a wheel (LOG-4).
+    //= reference/SPEC.md#log
+    //# - **LOG-4** Steps MUST be whole numbers from -32768 to 32767, and velocities at most 10 m/s and 100 rad/s.
     pub(super) fn steps(&self, column: usize) -> Result<i16, Refusal> {
         if let Ok(steps) = self.text(column).parse() {
             return Ok(steps);

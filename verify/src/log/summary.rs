@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 const EXAMPLES: usize = 3;
 
 /// What a reader made of a log's rows.
+//= reference/SPEC.md#log
+//# - **LOG-14** Reading MUST end with a summary of how many rows of each file were used and, by reason, left out and
+//# warned, with the first three places of each.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Summary {
     /// By the file's name.

@@ -110,6 +110,8 @@ fn observation(row: &Row<'_>) -> Result<Event, Refusal> {
 }
 
 /// A covariance's upper triangle, row by row, from a column on (LOG-6).
+//= reference/SPEC.md#log
+//# - **LOG-6** A covariance MUST be positive definite, with variances of at most 10,000 m² and 10,000 rad².
 fn covariance(row: &Row<'_>, first: usize) -> Result<Matrix3<f64>, Refusal> {
     let mut entries = [0.0; 6];
     for (i, entry) in entries.iter_mut().enumerate() {
@@ -134,6 +136,9 @@ fn is_positive_definite(covariance: &Matrix3<f64>) -> bool {
     Cholesky::new(correlations).is_some()
 }
 
+//= reference/SPEC.md#log
+//# - **LOG-5** An image MUST be an 8-bit PNG or PNM file of the camera's size in or below the folder, whose times
+//# fulfil EXPOSE-2.
 fn image(row: &Row<'_>, line: u64, folder: &Path, camera: &Camera) -> Result<Event, Refusal> {
     let capture = Capture { start: row.time(0)?, end: row.time(1)?, processed: row.time(2)? };
     // EXPOSE-2
@@ -176,6 +181,9 @@ pub(super) struct Table {
 
 impl Table {
     /// The table with the one of some contents that its header names (LOG-2).
+    //= reference/SPEC.md#log
+    //# - **LOG-2** A table whose first line that is not blank is none of its headers, name for name, MUST be refused as
+    //# a whole.
     pub(super) fn open(path: PathBuf, source: Source, contents: Vec<Content>) -> Result<Self, Fault> {
         let path: Arc<Path> = path.into();
         let mut lines = TextLines::new(BufReader::new(source));
@@ -196,6 +204,9 @@ impl Table {
     }
 
     /// The next row: its line and what it means, or why it is left out (LOG-8); none at the end.
+    //= reference/SPEC.md#log
+    //# - **LOG-8** A row that cannot be used MUST be left out alone, with file, line and reason in one line, and the
+    //# rows after it be read.
     pub(super) fn next(&mut self) -> Option<Result<(u64, Event), Fault>> {
         if self.ended {
             return None;
@@ -226,6 +237,11 @@ fn fault(path: &Arc<Path>, line: Option<u64>, Refusal { reason, what }: Refusal)
     Fault { file: Arc::clone(path), line, reason, what }
 }
 
+//= reference/SPEC.md#log
+//# - **LOG-9** A byte order mark, blank lines, lines that end in CR LF, and blanks around a field MUST be read over.
+//= reference/SPEC.md#log
+//# - **LOG-10** A last line without a line end, a line of more than 8192 bytes, one that is not UTF-8, one with a quote
+//# that is not closed and one with too few or too many fields MUST be left out.
 fn meaning(text: &Line<'_>, line: u64, content: &Content, splitter: &mut Splitter) -> Result<Event, Refusal> {
     let text = match text {
         Line::Whole(text) => text,

@@ -117,6 +117,9 @@ impl FromStr for Time {
     type Err = TimeRefusal;
 
     /// Seconds, such as `12.3` or `1.23e1` (LOG-3).
+    //= reference/SPEC.md#log
+    //# - **LOG-3** A time MUST be read from its decimal digits to the nearest whole microsecond, halves up, and be
+    //# refused below 0 or from 2^63 µs on.
     fn from_str(text: &str) -> Result<Self, TimeRefusal> {
         let Some(decimal) = Decimal::of(text) else {
             // "nan", "inf" and their kin are numbers to some who write logs.
@@ -148,6 +151,10 @@ mod tests {
         text.parse::<Time>().map(Time::micros)
     }
 
+    //= reference/SPEC.md#log
+    //= type=test
+    //# - **LOG-3** A time MUST be read from its decimal digits to the nearest whole microsecond, halves up, and be
+    //# refused below 0 or from 2^63 µs on.
     #[test]
     fn digits_are_taken_as_they_stand() {
         for (text, expected) in [

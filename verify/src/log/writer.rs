@@ -92,6 +92,8 @@ impl LogWriter {
     }
 
     /// Puts the tables in their places.
+    //= reference/SPEC.md#log
+    //# - **LOG-18** A log's files MUST be written whole or not at all, and the same log give the same bytes.
     pub fn finish(self) -> Result<(), Unwritten> {
         write_whole(&[(self.folder.join(ROBOT), self.knowledge.into_bytes())])?;
         self.truth.finish()?;
@@ -129,6 +131,9 @@ fn remove_former(folder: &Path) -> Result<(), Unwritten> {
 }
 
 /// An image of the camera's height (LOG-20).
+//= reference/SPEC.md#log
+//# - **LOG-20** Of a written image the rows MUST be those of the nearer scan line, of two equally near ones the upper,
+//# so that first and last row are the scan lines of a camera that reads these.
 fn png(camera: &Camera, [upper, lower]: &Lines) -> io::Result<Vec<u8>> {
     let nearer = |row: usize| {
         let upper_is_nearer = row.abs_diff(camera.upper_row) <= row.abs_diff(camera.lower_row);
@@ -170,6 +175,9 @@ impl EstimateWriter {
     ///
     /// # Panics
     /// If the event has one of these.
+    //= reference/SPEC.md#log
+    //# - **LOG-21** An estimate MUST be written as `t_s,x_m,y_m,theta_rad,c_xx,c_xy,c_xt,c_yy,c_yt,c_tt,event`, its
+    //# numbers as the shortest decimals that are read as the same.
     pub fn row(&mut self, estimate: &Estimate, event: &str) -> Result<(), Unwritten> {
         assert!(!event.contains([',', '"', '\n', '\r']), "{event:?} would need quotes");
         let Estimate { time, pose: [x, y, theta], covariance: c } = estimate;

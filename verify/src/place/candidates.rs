@@ -31,6 +31,8 @@ impl Candidate {
 }
 
 /// PLACE-4: by less than 1.5 widths of the wider barcode.
+//= reference/SPEC.md#place
+//# - **PLACE-4** Two landmarks on one wall MUST be at least 1.5 widths of the wider barcode apart.
 fn too_near(one: &Posted, other: &Posted) -> bool {
     let wider = 2.0 * one.landmark.half_width().max(other.landmark.half_width());
     gap(one, other).is_some_and(|gap| gap < WALL_GAP * wider)
@@ -38,6 +40,9 @@ fn too_near(one: &Posted, other: &Posted) -> bool {
 
 /// All places for landmarks of a format and default dimensions, by wall and codes: points of the grid on a wall, heading
 /// along its normal, with a code word of unequal halves, beside what hangs there already (PLACE-1).
+//= reference/SPEC.md#place
+//# - **PLACE-1** Landmarks MUST be put on points of the grid that lie on a wall (SITE-5), with the normal of a visible
+//# face as heading, inside the codes and with unequal halves (CODE-6).
 #[must_use]
 pub fn candidates(site: &Site, format: Format) -> Vec<Candidate> {
     let mut taken = BTreeSet::new();

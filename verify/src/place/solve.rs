@@ -34,6 +34,10 @@ impl Bound {
 }
 
 /// Bounds that need no integers: the relaxation and disjoint windows.
+//= reference/SPEC.md#place
+//# - **PLACE-8** The number of landmarks MUST be reported with a lower bound: the most of the linear relaxation's
+//# optimum, rounded up, the number of windows of which no landmark serves two, and, if branch and bound came to its
+//# end, its optimum.
 pub(super) fn bound(cover: &Cover) -> Result<Bound, PlaceError> {
     let disjoint = disjoint(cover);
     let relaxation = if cover.is_trivial() { 0.0 } else { solve(cover, false, None)?.0 };

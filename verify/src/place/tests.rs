@@ -39,6 +39,13 @@ fn brute_force(rows: &[Vec<usize>], candidates: &[Candidate]) -> Option<usize> {
 }
 
 proptest! {
+    //= reference/SPEC.md#place
+    //= type=test
+    //# - **PLACE-4** Two landmarks on one wall MUST be at least 1.5 widths of the wider barcode apart.
+    //= reference/SPEC.md#place
+    //= type=test
+    //# - **PLACE-5** Of the choices that fulfil PLACE-3 and PLACE-4 one with the fewest landmarks MUST be taken, and
+    //# from it, one landmark after the other exchanged as long as that makes more samples read.
     #[test]
     fn fewest_is_fewest(
         steps in proptest::collection::btree_set(0..24_u32, 1..9),
@@ -73,6 +80,10 @@ proptest! {
     }
 
     /// PLACE-3: every window has a reading sample just where the longest gap (SITE-13) is no longer than the window.
+    //= reference/SPEC.md#place
+    //= type=test
+    //# - **PLACE-3** Every window `(s_i, s_i + G]` of the route, around its end if it is closed, and on an open route
+    //# also `[0, G]`, MUST have a sample in it from which a landmark is readable, unless an open route ends within it.
     #[test]
     fn served_windows_are_short_gaps(
         read in proptest::collection::vec(proptest::bool::weighted(0.2), 40),

@@ -27,6 +27,9 @@ impl Stretch {
 /// If each has a sample that reads a landmark, two neighbouring readings at `r` and `r'` are at most a gap apart, since
 /// the window behind `r` has one; on an open route the first is at most a gap from the beginning, and the last, behind
 /// which no window is left, at most a gap from the end. The converse holds as well.
+//= reference/SPEC.md#place
+//# - **PLACE-3** Every window `(s_i, s_i + G]` of the route, around its end if it is closed, and on an open route also
+//# `[0, G]`, MUST have a sample in it from which a landmark is readable, unless an open route ends within it.
 #[must_use]
 pub fn windows(samples: &[Sample], length: f64, closed: bool, gap: f64) -> Vec<Stretch> {
     let all = samples.len();

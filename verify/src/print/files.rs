@@ -24,6 +24,8 @@ impl core::error::Error for Unwritten {}
 
 /// Writes every file beside its place first, and puts them there when all are complete; on an error what was written
 /// beside them is taken away again.
+//= reference/SPEC.md#print
+//# - **PRINT-13** Files MUST be written whole or not at all.
 pub fn write_whole(files: &[(PathBuf, Vec<u8>)]) -> Result<(), Unwritten> {
     let outcome = put(files);
     if outcome.is_err() {

@@ -27,6 +27,8 @@ const CAPTION_PITCH: f64 = 3.2;
 /// White around a caption.
 const CAPTION_MARGIN: f64 = 1.5;
 /// White between barcode and caption, in stripe heights (PRINT-6).
+//= reference/SPEC.md#print
+//# - **PRINT-6** A piece's caption MUST stand below the barcode, at least a third of the stripe height away from it.
 const CAPTION_CLEARANCE: f64 = 1.0 / 3.0;
 /// Lowest layer that can be printed, millimetres.
 const LOWEST_LAYER: f64 = 1.0;
@@ -88,6 +90,9 @@ fn room([width, height]: [f64; 2]) -> [f64; 2] {
 }
 
 /// The pages that carry the pieces, in their order; none without pieces. `landmark` gives format and dimensions of all.
+//= reference/SPEC.md#print
+//# - **PRINT-12** Pages MUST be A4, upright, or on their side where a piece is too large for an upright page, and a
+//# piece that is too large for both be refused.
 pub fn pages(landmark: &Landmark, pieces: &[Piece]) -> Result<Vec<Page>, LayoutRefusal> {
     let landmark = landmark.checked().map_err(LayoutRefusal::Landmark)?;
     let cut = Cut::new(landmark, pieces);
@@ -111,6 +116,9 @@ struct Cut {
     /// Height of one layer (LAND-4).
     height: f64,
     /// White beside and above the barcode (LAND-5, PRINT-3).
+    //= reference/SPEC.md#print
+    //# - **PRINT-3** Inside the cut marks the paper MUST be white for at least 2.5 `X_dim` on either side of the
+    //# barcode and above it.
     quiet: f64,
     stripe_width: f64,
     size: [f64; 2],
@@ -163,6 +171,9 @@ impl Cut {
     }
 
     /// What it is, how to print it, and how to mount it (PRINT-7).
+    //= reference/SPEC.md#print
+    //# - **PRINT-7** Every page MUST have a scale bar of 100 mm and say that the barcode's centre is mounted at the
+    //# camera's height.
     fn head(&self, page: &mut Page, number: &str) {
         let lines = [
             format!(
@@ -198,6 +209,8 @@ impl Cut {
 }
 
 /// Two short lines at each corner, outside of the piece (PRINT-5).
+//= reference/SPEC.md#print
+//# - **PRINT-5** Every piece MUST have cut marks at its corners that lie outside of it.
 fn cut_marks([left, top]: Point, [width, height]: [f64; 2]) -> Vec<Vec<Point>> {
     let [gap, length, thickness] = MARK;
     let mut marks = Vec::new();
@@ -283,6 +296,10 @@ mod tests {
         }
     }
 
+    //= reference/SPEC.md#print
+    //= type=test
+    //# - **PRINT-12** Pages MUST be A4, upright, or on their side where a piece is too large for an upright page, and a
+    //# piece that is too large for both be refused.
     #[test]
     fn a_wide_landmark_turns_the_page_and_a_wider_one_is_refused() {
         // 20 stripes and 5 of quiet zone: 187.5 mm upright, 250 and 275 mm turned, 300 mm.

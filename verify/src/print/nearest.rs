@@ -19,6 +19,9 @@ const FAR: f64 = 1e6;
 
 /// Up to four poses of the grid that have a payload, the nearest first, of equally near ones the lower codes, in metres and
 /// radians (PRINT-8, PRINT-9).
+//= reference/SPEC.md#print
+//# - **PRINT-8** A pose without a payload MUST be refused with up to four poses of the grid that have one, the nearest
+//# first, of equally near ones the lower codes.
 #[must_use]
 pub fn poses(grid: &Grid, format: Format, pose: &Pose<World, Landmark>) -> Vec<Pose<World, Landmark>> {
     // From beyond a thousand kilometres the order is the same, but no longer to be seen in 53 bits.
@@ -50,6 +53,9 @@ fn around(steps: f64, bits: u32) -> RangeInclusive<u32> {
 }
 
 /// The distance of two poses in metres, a radian of heading being as far as a metre (PRINT-9).
+//= reference/SPEC.md#print
+//# - **PRINT-9** Poses MUST be as far apart as the root of the sum of the squares of their differences in x and y in
+//# metres and in heading in radians.
 #[must_use]
 pub fn distance(one: &Pose<World, Landmark>, other: &Pose<World, Landmark>) -> f64 {
     let turn = (one.theta() - other.theta()).rem_euclid(TAU);
@@ -58,6 +64,9 @@ pub fn distance(one: &Pose<World, Landmark>, other: &Pose<World, Landmark>) -> f
 }
 
 /// Up to four payloads that have a code word, the nearest first, of equals the lower (PRINT-10).
+//= reference/SPEC.md#print
+//# - **PRINT-10** An identifier without a code word MUST be refused with up to four of the nearest that have one, of
+//# equally near ones the lower first.
 #[must_use]
 pub fn ids(format: Format, id: u64) -> Vec<u32> {
     let last = (1_u32 << format.payload_bits()) - 1;
@@ -86,6 +95,10 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
+        //= reference/SPEC.md#print
+        //= type=test
+        //# - **PRINT-8** A pose without a payload MUST be refused with up to four poses of the grid that have one, the
+        //# nearest first, of equally near ones the lower codes.
         #[test]
         fn the_nearest_are_the_nearest_of_all(
             x in -1.0..4.0f64, y in -1.0..4.0f64, theta in -4.0..4.0f64,
@@ -118,6 +131,21 @@ mod tests {
         }
     }
 
+    /// 30 and 40 mm and 120 mrad, the short way round: the root of 9 + 16 + 144 is 13.
+    //= reference/SPEC.md#print
+    //= type=test
+    //# - **PRINT-9** Poses MUST be as far apart as the root of the sum of the squares of their differences in x and y
+    //# in metres and in heading in radians.
+    #[test]
+    fn a_radian_counts_as_a_metre() {
+        let (one, other) = (Pose::new(1.0, 2.0, 3.1), Pose::new(1.03, 1.96, 3.22 - core::f64::consts::TAU));
+        assert!((distance(&one, &other) - 0.13).abs() < 1e-12);
+    }
+
+    //= reference/SPEC.md#print
+    //= type=test
+    //# - **PRINT-10** An identifier without a code word MUST be refused with up to four of the nearest that have one,
+    //# of equally near ones the lower first.
     #[test]
     fn ids_are_the_nearest_that_have_a_code_word() {
         assert_eq!(ids(Format::Paper, u64::MAX), [0xFFFF, 0xFFFE, 0xFFFD, 0xFFFC]);

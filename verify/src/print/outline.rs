@@ -24,6 +24,9 @@ impl Column {
 }
 
 /// The outlines of columns that do not overlap, from left to right: one for every part that holds together.
+//= reference/SPEC.md#print
+//# - **PRINT-4** Bars that touch along an edge, in one layer or across both, MUST be one outline, so that no light line
+//# runs through them whatever the resolution.
 #[must_use]
 pub fn outlines(columns: &[Column]) -> Vec<Outline> {
     columns.chunk_by(Column::touches).map(around).collect()

@@ -14,6 +14,8 @@ const FONT_NAME: Name<'_> = Name(b"F1");
 pub const MOST_PAGES: usize = 1_000_000;
 
 /// The pages, up to [`MOST_PAGES`] of them, as a PDF document; the same pages give the same bytes (PRINT-14).
+//= reference/SPEC.md#print
+//# - **PRINT-14** The same request MUST give the same bytes.
 #[must_use]
 pub fn write(pages: &[Page]) -> Vec<u8> {
     let mut pdf = Pdf::new();
@@ -62,6 +64,9 @@ fn contents(page: &Page) -> Content {
 }
 
 /// Millimetres in PDF's units. A page's coordinates in f32 are off by less than 0.01 µm.
+//= reference/SPEC.md#print
+//# - **PRINT-1** A millimetre of a landmark MUST be a millimetre of paper: 72/25.4 units of a PDF page, one user unit
+//# of an SVG page whose width and height are in millimetres.
 #[expect(clippy::cast_possible_truncation, reason = "what the format's reals hold")]
 fn units(millimetres: f64) -> f32 {
     (millimetres * 72.0 / 25.4) as f32
@@ -89,6 +94,10 @@ mod tests {
     }
 
     /// A4 is 595.28 x 841.89 units.
+    //= reference/SPEC.md#print
+    //= type=test
+    //# - **PRINT-1** A millimetre of a landmark MUST be a millimetre of paper: 72/25.4 units of a PDF page, one user
+    //# unit of an SVG page whose width and height are in millimetres.
     #[test]
     fn a_millimetre_is_a_millimetre() {
         assert!((units(210.0) - 595.275_6).abs() < 1e-3 && (units(297.0) - 841.889_8).abs() < 1e-3);

@@ -38,6 +38,8 @@ fn line(text: &Text) -> String {
 }
 
 /// Millimetres to a tenth of a micrometre (PRINT-2), without what would not say anything.
+//= reference/SPEC.md#print
+//# - **PRINT-2** The edges of stripes and layers and the ends of the scale bar MUST lie within 0.02 mm of their place.
 fn number(millimetres: f64) -> String {
     short(millimetres, 4)
 }

@@ -24,6 +24,8 @@ impl Estimates {
     }
 
     /// What was believed at a reading, and what had led to it.
+    //= reference/SPEC.md#route
+    //# - **ROUTE-9** A log that is written of a run and replayed MUST give the same estimates, byte for byte.
     pub fn row(&mut self, row: &Row) -> Result<(), Unwritten> {
         for ((writer, known), taken) in self.writers.iter_mut().zip(&row.known).zip(&row.taken) {
             let pose = [known.pose.x(), known.pose.y(), known.pose.theta()];

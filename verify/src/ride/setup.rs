@@ -9,6 +9,9 @@ use reference::motion::{Drive, MotionModel, State, StateCovariance};
 use reference::places::{Entry, Places};
 
 /// Standard deviations of the wheels' difference and of the axle's excess that are estimated (ROUTE-10).
+//= reference/SPEC.md#route
+//# - **ROUTE-10** The wheels' difference and the axle's excess MUST be estimated from standard deviations of 0.2 % and
+//# 0.5 %, or be known to be 0 with three states *(choice: how unequal an e-puck's wheels are)*.
 pub(super) const WHEELS: [f64; 2] = [0.002, 0.005];
 
 /// Variances of a wheel's way by its length with five states and with three, metres (MOTION-6).
@@ -70,4 +73,35 @@ pub(super) fn start(knowledge: &Knowledge) -> Estimate {
     let variances = [x, y, theta, e, g].map(|deviation| deviation * deviation);
     let state = State { pose: knowledge.start.robot_in_world(), wheel_difference: 0.0, axle_excess: 0.0 };
     Estimate { state, covariance: StateCovariance::from_diagonal(&variances.into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: the variances of `e` and `g` with five states, none of them with three, and the slips of either.
+    //= reference/SPEC.md#motion
+    //= type=test
+    //# - **MOTION-6** The slip MUST by default be `q = 1e-6 m` with five states, 1 mm per root metre, and `3e-6 m` with
+    //# three, of which `e` and `g` are known to be 0 *(choice: what is not estimated is slip)*.
+    //= reference/SPEC.md#route
+    //= type=test
+    //# - **ROUTE-10** The wheels' difference and the axle's excess MUST be estimated from standard deviations of 0.2 %
+    //# and 0.5 %, or be known to be 0 with three states *(choice: how unequal an e-puck's wheels are)*.
+    #[test]
+    fn what_is_not_estimated_is_slip() {
+        let knowing = |states| Knowledge { states, ..Knowledge::default() };
+        let wheels = |states| {
+            let covariance = start(&knowing(states)).covariance;
+            [covariance[(3, 3)].sqrt(), covariance[(4, 4)].sqrt()]
+        };
+        let near = |found: [f64; 2], expected: [f64; 2]| (0..2).all(|i| (found[i] - expected[i]).abs() < 1e-15);
+        assert!(near(wheels(States::Five), [0.002, 0.005]) && near(wheels(States::Three), [0.0; 2]));
+        let slips = [States::Five, States::Three].map(|states| drive(&knowing(states)).slip);
+        assert!(near(slips, [1e-6, 3e-6]));
+        // The port's, which has 32 fraction bits.
+        let port =
+            [fixedpoint::motion::SLIP_OF_FIVE, fixedpoint::motion::SLIP_OF_THREE].map(|slip| slip.to_num::<f64>());
+        assert!((0..2).all(|i| (port[i] - slips[i]).abs() <= 2_f64.powi(-33)), "{port:?}");
+    }
 }

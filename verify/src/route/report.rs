@@ -88,6 +88,11 @@ pub const TOGETHER: (f64, f64) = (1e-3, 0.1 * PI / 180.0);
 
 impl Report {
     /// Whether both filters have stayed together (SAME-7).
+    //= reference/SPEC.md#same
+    //# - **SAME-7** Along a route both filters that are given LAYER's measurements at EXPOSE-1's times MUST stay within
+    //# 1 mm and 0.1° of each other wherever they have decided alike (ROUTE-7), and decide otherwise only where one of
+    //# them accepts a landmark that the other does not by SAME-5, where the reference's NIS is within 1 in 1,000 of
+    //# FILTER-4's limit, or where they already have and not both used observations twice since.
     #[must_use]
     pub fn stays_together(&self) -> bool {
         let Difference { position_m, heading_rad } = self.largest_difference_decided_alike;
@@ -116,6 +121,9 @@ pub fn report(scenario: &str, seed: u64, runs: &[Run]) -> Option<Report> {
     })
 }
 
+//= reference/SPEC.md#route
+//# - **ROUTE-3** Mean, 95th percentile and largest error MUST be those of all samples of all runs together, and the
+//# mean NEES that of the runs' means.
 fn errors(scores: &[&Score]) -> Option<Errors> {
     let position = pooled(scores, |score| &score.position)?;
     let heading = pooled(scores, |score| &score.heading)?;
@@ -206,6 +214,10 @@ mod tests {
         assert!((quantile(&sorted[..1], 0.95) - 1.0).abs() < 1e-12);
     }
 
+    //= reference/SPEC.md#route
+    //= type=test
+    //# - **ROUTE-3** Mean, 95th percentile and largest error MUST be those of all samples of all runs together, and the
+    //# mean NEES that of the runs' means.
     #[test]
     fn samples_of_all_runs_count_alike() {
         let score =

@@ -65,6 +65,9 @@ fn span(number: &Number) -> Range<usize> {
 }
 
 /// SCENARIO-4: no wheel makes more steps than it can.
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-4** Speeds MUST be above 0 and at most what 1000 steps a second allow, a correction of 0.3 rad/s
+//# (WORLD-7) included.
 fn ride(form: &ScenarioForm<SiteEntry>, site: &Site) -> Result<Ride, Fault> {
     let Some(route) = &site.route else { return Err(Fault::new(form.site.span(), "the scenario's site has no route")) };
     let form = &form.run;
@@ -88,12 +91,17 @@ fn ride(form: &ScenarioForm<SiteEntry>, site: &Site) -> Result<Ride, Fault> {
 }
 
 /// The route as a ring: an open one leads back through the points between its ends (SCENARIO-8).
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-8** A lap of an open route MUST lead to its end and back.
 fn ring(route: &Route) -> Vec<Point<World>> {
     let back = if route.closed { &[][..] } else { &route.points[1..route.points.len() - 1] };
     route.points.iter().chain(back.iter().rev()).map(|&[x, y]| Point::new(x, y)).collect()
 }
 
 /// SCENARIO-5.
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-5** An image's period MUST be refused if it is shorter than capture and processing, and a row's
+//# exposure if it is longer than its share of the capture.
 fn shutter(form: &ImageForm, rows: usize) -> Result<Shutter, Fault> {
     let default = Shutter::default();
     let ms = |microseconds: u64| microseconds as f64 / 1000.0;
@@ -147,6 +155,9 @@ fn told(form: &StartForm, wrong: bool) -> Result<Told, Fault> {
 }
 
 /// SCENARIO-6.
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-6** A kidnapping MUST be a start that is wrong (WORLD-19), a lift at a share of the ride from 0 to
+//# below 1 (WORLD-20), or both.
 fn lift(form: &KidnapForm) -> Result<Option<Lift>, Fault> {
     let lasts = microseconds(above_zero(&form.lifted_ms, 1000.0, LONGEST_MS)?);
     if form.at.is_none() {

@@ -123,6 +123,11 @@ const UNITS: [(&str, &str); 14] = [
 ];
 
 /// The form that a text fills in.
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-1** A scenario file MUST be TOML with the parts `site`, `run`, `image`, `robot`, `start`, `occlusion`,
+//# `false_decodes` and `kidnap`, of which only `site` has to be there, and with its unit in every key that has one.
+//= reference/SPEC.md#scenario
+//# - **SCENARIO-3** Whatever is wrong MUST be reported as SITE-2 and SITE-3 say, in the site's own file if it is there.
 pub(super) fn parse(text: &str) -> Result<ScenarioForm<SiteEntry>, Fault> {
     // An untagged alternative would lose the places of what is wrong in the site.
     let table = DeTable::parse(text)?;

@@ -28,6 +28,9 @@ fn built_in(name: &str) -> Scenario {
     load(Path::new(name)).unwrap_or_else(|error| panic!("{error}"))
 }
 
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-7** `triangle` and `kidnap` MUST be known without a file.
 #[test]
 fn built_in_scenarios_are_the_files_in_the_tree() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
@@ -136,6 +139,13 @@ fn the_kidnapped_robot_starts_wrong_and_is_lifted_half_way() {
     assert_eq!(Setup { told: triangle.setup.told, lift: None, ..setup }, triangle.setup);
 }
 
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-1** A scenario file MUST be TOML with the parts `site`, `run`, `image`, `robot`, `start`, `occlusion`,
+//# `false_decodes` and `kidnap`, of which only `site` has to be there, and with its unit in every key that has one.
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-8** A lap of an open route MUST lead to its end and back.
 #[test]
 fn everything_but_the_site_has_a_default_and_a_unit() {
     let plain = parse(CORRIDOR).unwrap().setup;
@@ -173,6 +183,21 @@ fn whatever_is_accepted_can_be_run() {
     }
 }
 
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-3** Whatever is wrong MUST be reported as SITE-2 and SITE-3 say, in the site's own file if it is there.
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-4** Speeds MUST be above 0 and at most what 1000 steps a second allow, a correction of 0.3 rad/s
+//# (WORLD-7) included.
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-5** An image's period MUST be refused if it is shorter than capture and processing, and a row's
+//# exposure if it is longer than its share of the capture.
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-6** A kidnapping MUST be a start that is wrong (WORLD-19), a lift at a share of the ride from 0 to
+//# below 1 (WORLD-20), or both.
 #[test]
 fn what_is_wrong_is_said_with_its_line_and_key() {
     let cases = [
@@ -208,6 +233,10 @@ fn what_is_wrong_is_said_with_its_line_and_key() {
     }
 }
 
+//= reference/SPEC.md#scenario
+//= type=test
+//# - **SCENARIO-2** The site MUST be the path of a site file, from the scenario file's folder, or a table with the
+//# parts of one (SITE-1), and have a route.
 #[test]
 fn a_site_file_that_is_wrong_is_named_itself() {
     let read = |path: &Path| match path.to_str() {

@@ -44,6 +44,9 @@ pub(crate) fn site(form: &SiteForm) -> Result<Site, Fault> {
 }
 
 /// A finite number of at most `most` in absolute value (SITE-3).
+//= reference/SPEC.md#site
+//# - **SITE-3** Unknown keys, keys without their unit, numbers that are not finite, sizes that are not above 0, walls
+//# and legs shorter than 1 mm, and coordinates beyond 1000 m MUST be refused.
 pub(crate) fn within(value: f64, most: f64, span: Range<usize>) -> Result<f64, Fault> {
     if value.is_nan() || value.is_infinite() {
         Err(Fault::new(span, format!("{value} is not a finite number")))
@@ -124,6 +127,9 @@ fn landmark(grid: &Grid, entry: &Spanned<LandmarkForm>) -> Result<Posted, Fault>
     let landmark_in_world = pose(grid, landmark.format, entry)?;
     let payload = match &form.identifier {
         Some(identifier) => identifier_payload(landmark.format, identifier)?,
+        //= reference/SPEC.md#site
+        //# - **SITE-6** A landmark MUST carry the payload of its pose (GRID), or else the identifier that it is given,
+        //# if it can be encoded (CODE-5, CODE-6).
         // SITE-6
         None => grid
             .payload(landmark.format, &landmark_in_world)
@@ -146,6 +152,8 @@ fn dimensions(form: &LandmarkForm) -> Result<Landmark, Fault> {
 }
 
 /// The pose by codes or by world coordinates, never both (SITE-4).
+//= reference/SPEC.md#site
+//# - **SITE-4** A landmark's pose MUST be given either as the codes of the grid or as world coordinates and heading.
 fn pose(grid: &Grid, format: Format, entry: &Spanned<LandmarkForm>) -> Result<Pose<World, frame::Landmark>, Fault> {
     let form = entry.get_ref();
     match (&form.codes, &form.x_m, &form.y_m, &form.heading_deg) {
@@ -189,6 +197,9 @@ pub(crate) fn identifier_payload(format: Format, identifier: &Spanned<i64>) -> R
 }
 
 /// What two landmarks of a site may not have in common (SITE-7).
+//= reference/SPEC.md#site
+//# - **SITE-7** Two landmarks of which one's barcode reaches into the other's barcode or quiet zone, or that carry the
+//# same payload in the same format, MUST be refused.
 fn distinct(one: &Posted, other: &Posted) -> Result<(), &'static str> {
     if hang::overlap(one, other) {
         Err("its barcode or quiet zone overlaps")

@@ -59,6 +59,9 @@ impl Fault {
         Self { span, what: what.into() }
     }
 
+    //= reference/SPEC.md#site
+    //# - **SITE-2** Whatever is wrong with a site file MUST be reported in one line with the file, the line and, where
+    //# there is one, the key.
     pub(crate) fn in_file(self, path: &Path, text: &str) -> SiteError {
         let before = text.bytes().take(self.span.start).filter(|&byte| byte == b'\n').count();
         let key = match DeTable::parse(text) {

@@ -8,6 +8,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// How far the camera stands ahead of the robot's axle, millimetres (SITE-8).
+//= reference/SPEC.md#site
+//# - **SITE-8** The camera MUST stand 30 mm ahead of the middle of the robot's axle and look ahead, if the file does
+//# not say otherwise.
 pub(super) const CAMERA_AHEAD_MM: f64 = 30.0;
 
 /// Coordinates x and y.
@@ -139,6 +142,9 @@ pub(crate) const WITHOUT_UNIT: [(&str, &str); 14] = [
 ];
 
 /// The form that a text fills in (SITE-1).
+//= reference/SPEC.md#site
+//# - **SITE-1** A site file MUST be TOML with the parts `grid`, `robot`, `wall`, `landmark`, `route` and `region`, each
+//# of which may be left out, and with its unit in every key that has one (`_m`, `_mm`, `_deg`).
 pub(super) fn parse(text: &str) -> Result<SiteForm, Fault> {
     parse_with_units(text, &WITHOUT_UNIT)
 }

@@ -43,6 +43,9 @@ fn half_extent(posted: &Posted) -> f64 {
 }
 
 /// The number of the wall on which a landmark hangs (SITE-5).
+//= reference/SPEC.md#site
+//# - **SITE-5** A landmark MUST be refused unless it hangs on a wall: its centre at most 1 mm from the wall's plane,
+//# its heading at most 0.01 rad from the normal of a visible face, its barcode and quiet zones between the wall's ends.
 pub(crate) fn on_wall(walls: &[Wall], posted: &Posted) -> Result<usize, OffWall> {
     let mut reason = OffWall::NoWall;
     for (i, wall) in walls.iter().enumerate() {

@@ -14,12 +14,23 @@ fn site(text: &str) -> Site {
     of_toml(text, Path::new("site.toml")).unwrap()
 }
 
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-1** A site file MUST be TOML with the parts `grid`, `robot`, `wall`, `landmark`, `route` and `region`, each
+//# of which may be left out, and with its unit in every key that has one (`_m`, `_mm`, `_deg`).
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-8** The camera MUST stand 30 mm ahead of the middle of the robot's axle and look ahead, if the file does
+//# not say otherwise.
 #[test]
 fn an_empty_file_is_the_default_site() {
     assert_eq!(site(""), Site::default());
     assert!((Site::default().camera_in_robot.x() - 0.03).abs() < 1e-15);
 }
 
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-4** A landmark's pose MUST be given either as the codes of the grid or as world coordinates and heading.
 #[test]
 fn codes_and_world_coordinates_say_the_same() {
     // 20 steps of 50 mm, and a quarter of 16 headings.
@@ -33,6 +44,10 @@ fn codes_and_world_coordinates_say_the_same() {
     assert!((coded.landmark_in_world.theta() - FRAC_PI_2).abs() < 1e-12);
 }
 
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-6** A landmark MUST carry the payload of its pose (GRID), or else the identifier that it is given, if it
+//# can be encoded (CODE-5, CODE-6).
 #[test]
 fn an_identifier_needs_no_grid() {
     let text =
@@ -59,6 +74,9 @@ fn regions_have_holes() {
     assert!(!region.contains([2.0, 2.0]) && !region.contains([4.5, 2.0]));
 }
 
+//= reference/SPEC.md#site
+//= type=test
+//# - **SITE-9** Writing landmarks into a site file MUST keep its comments, order and spelling.
 #[test]
 fn written_landmarks_are_read_again_and_the_rest_stays() {
     let codes = reference::grid::Codes { x: 20, y: 0, theta: 4 };

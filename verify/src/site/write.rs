@@ -8,6 +8,8 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, val
 
 /// A site file's text with landmarks of the default dimensions added behind those that it has; comments, order and
 /// spelling of everything else stay (SITE-9).
+//= reference/SPEC.md#site
+//# - **SITE-9** Writing landmarks into a site file MUST keep its comments, order and spelling.
 pub fn with_landmarks(text: &str, path: &Path, added: &[(Format, Codes)]) -> Result<String, SiteError> {
     let mut document: DocumentMut =
         text.parse().map_err(|error: toml_edit::TomlError| SiteError::whole_file(path, error.message()))?;

@@ -35,6 +35,10 @@ fn high(bright: usize, pixel: usize) -> u8 {
     thresholds(&line)[pixel].brightest
 }
 
+//= reference/SPEC.md#thresh
+//= type=test
+//# - **THRESH-5** The left window of pixel `i` MUST be the pixels from `max(0, 16 (b - 8))` to `i`, and its right
+//# window those from `i` to `min(Q_x - 1, 16 (b + 8) + 15)`, with `b = floor(i/16)`.
 #[test]
 fn windows_reach_eight_blocks_beyond_the_own() {
     // The block 20 is from 320 to 335; its windows begin at 192 and end at 463.
@@ -142,6 +146,18 @@ fn line() -> impl Strategy<Value = Vec<u8>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-6** With `high(i)` the smaller of both windows' largest values and `low(i)` the larger of the
+    //# smallest values of the left window with pixel `i + 1` and of the right window with pixel `i - 1`, as far as the
+    //# line has them, the local threshold MUST have `T2(i) = high(i) + low(i)` and `R(i) = high(i) - low(i)`.
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-7** By the local threshold a pixel MUST be black where `R(i) >= 24` and `2 I < T2(i)`, and white
+    //# otherwise.
+    //= reference/SPEC.md#thresh
+    //= type=test
+    //# - **THRESH-8** By the local threshold a pixel MUST be distinct where `R(i) < 24` or `8 |2 I - T2(i)| >= R(i)`.
     #[test]
     fn thresholds_are_as_defined(line in line()) {
         let found = thresholds(&line);

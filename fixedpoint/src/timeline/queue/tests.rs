@@ -7,6 +7,9 @@ fn time(micros: u64) -> Time {
 }
 
 /// A quarter of 100 ms, of 7 and -3 steps: 1.75 and -0.75, exact in binary.
+//= reference/SPEC.md#time
+//= type=test
+//# - **TIME-1** A reading's steps MUST count as made evenly from the end of the reading before it to its own time.
 #[test]
 fn steps_are_made_evenly() {
     let (left, right) = (Steps::from_num(7), Steps::from_num(-3));
@@ -22,6 +25,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(5_000))]
 
     /// TIME-3, of stretches from a microsecond to the whole clock.
+    //= reference/SPEC.md#time
+    //= type=test
+    //# - **TIME-3** An observation between two readings MUST part the later one's steps in proportion to the time.
     #[test]
     fn parts_are_in_proportion_and_add_up(
         steps in any::<[i32; 2]>(),
@@ -53,4 +59,21 @@ proptest! {
         }
         prop_assert_eq!(sum, Ways { left, right });
     }
+}
+
+/// `TIME-6`: what is not after the new begin is gone; `TIME-11`: what is after the newest reading waits.
+#[test]
+fn what_is_settled_is_forgotten() {
+    let mut queue: Queue = Queue::new(time(1_000));
+    for at in [1_100, 1_200, 1_300] {
+        queue.insert_reading(super::super::Reading { time: time(at), left: Steps::ONE, right: Steps::ONE });
+    }
+    for at in [1_200, 1_250, 1_300, 1_301, 1_400] {
+        queue.insert_observation(super::super::tests::observation(time(at), 1, 0.0));
+    }
+    assert_eq!(queue.waiting(), 2);
+    queue.forget(time(1_200));
+    assert_eq!((queue.begin(), queue.newest(), queue.waiting()), (time(1_200), time(1_300), 2));
+    assert_eq!((queue.readings.len(), queue.observations.len()), (1, 4));
+    assert_eq!(<Queue>::new(time(1_000)).waiting(), 0);
 }

@@ -107,6 +107,9 @@ fn within_reach(grid: &Grid, formats: &[Format], span: Range<usize>) -> Result<(
 }
 
 /// LOG-17.
+//= reference/SPEC.md#log
+//# - **LOG-17** A table of landmarks MUST give each a format, an identifier that can be encoded (CODE-5, CODE-6), and a
+//# pose, and no two of them the same format and identifier.
 fn table(entries: &[Spanned<ListedForm>]) -> Result<Vec<Listed>, Fault> {
     let mut table: Vec<Listed> = Vec::new();
     for entry in entries {

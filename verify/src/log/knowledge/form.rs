@@ -71,6 +71,10 @@ const MORE_WITHOUT_UNIT: [(&str, &str); 10] = [
 ];
 
 /// The form that a text fills in.
+//= reference/SPEC.md#log
+//# - **LOG-15** What a robot knows MUST be TOML with the parts `grid` or `landmark`, `camera`, `robot` and `start` and
+//# the keys `states`, `observe`, `stamp` and `formats`, with its unit in every key that has one, and be refused as a
+//# site file is (SITE-2, SITE-3).
 pub(super) fn parse(text: &str) -> Result<KnowledgeForm, Fault> {
     let table = DeTable::parse(text)?;
     units(table.get_ref(), &WITHOUT_UNIT)?;

@@ -7,6 +7,11 @@ fn knowledge(text: &str) -> Knowledge {
     Knowledge::of_toml(text, Path::new("robot.toml")).unwrap_or_else(|error| panic!("{error}"))
 }
 
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-16** What it leaves out MUST be: GRID's default grid, both formats or those of its landmarks, the `epuck`
+//# camera, OBSERVE-1's mounting, MOTION-8's wheels, a start at (0, 0, 0) known to 5 mm, 5 mm and 0.02 rad, five states,
+//# images as observations, and mid-exposure as the stamp.
 #[test]
 fn what_is_left_out_is_an_e_puck_on_the_default_grid() {
     let found = knowledge("");
@@ -53,6 +58,15 @@ fn a_table_of_landmarks_takes_the_grids_place() {
 }
 
 /// The line, the key and a few words of what is wrong.
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-15** What a robot knows MUST be TOML with the parts `grid` or `landmark`, `camera`, `robot` and `start` and
+//# the keys `states`, `observe`, `stamp` and `formats`, with its unit in every key that has one, and be refused as a
+//# site file is (SITE-2, SITE-3).
+//= reference/SPEC.md#log
+//= type=test
+//# - **LOG-17** A table of landmarks MUST give each a format, an identifier that can be encoded (CODE-5, CODE-6), and a
+//# pose, and no two of them the same format and identifier.
 #[test]
 fn nonsense_is_named_with_line_and_key() {
     let twice = format!("{TABLE}\n{TABLE}");

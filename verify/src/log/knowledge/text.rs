@@ -8,6 +8,8 @@ use reference::grid::Grid;
 impl Knowledge {
     /// A text that is read as the same. A length or an angle that no number of millimetres or degrees comes to exactly,
     /// which no file has given then, is read as its neighbour.
+    //= reference/SPEC.md#log
+    //# - **LOG-19** What is read from a written log MUST be the numbers that were written.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
