@@ -1,0 +1,11 @@
+//! Target `csv`: see [`fuzz::csv`].
+
+#![cfg_attr(fuzzing, no_main)]
+
+#[cfg(fuzzing)]
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::csv::run(data));
+
+#[cfg(not(fuzzing))]
+fn main() -> std::process::ExitCode {
+    fuzz::replay::main(fuzz::csv::run)
+}

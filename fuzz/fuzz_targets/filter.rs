@@ -1,0 +1,11 @@
+//! Target `filter`: see [`fuzz::filter`].
+
+#![cfg_attr(fuzzing, no_main)]
+
+#[cfg(fuzzing)]
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::filter::run(data));
+
+#[cfg(not(fuzzing))]
+fn main() -> std::process::ExitCode {
+    fuzz::replay::main(fuzz::filter::run)
+}

@@ -1,0 +1,11 @@
+//! Target `lines`: see [`fuzz::lines`].
+
+#![cfg_attr(fuzzing, no_main)]
+
+#[cfg(fuzzing)]
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::lines::run(data));
+
+#[cfg(not(fuzzing))]
+fn main() -> std::process::ExitCode {
+    fuzz::replay::main(fuzz::lines::run)
+}

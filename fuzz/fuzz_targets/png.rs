@@ -1,0 +1,11 @@
+//! Target `png`: see [`fuzz::png`].
+
+#![cfg_attr(fuzzing, no_main)]
+
+#[cfg(fuzzing)]
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::png::run(data));
+
+#[cfg(not(fuzzing))]
+fn main() -> std::process::ExitCode {
+    fuzz::replay::main(fuzz::png::run)
+}

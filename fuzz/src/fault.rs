@@ -1,0 +1,84 @@
+//! Faults behind the targets' checks, one for each, to show that these notice. Each is in a corner that no input of the
+//! corpus reaches, and there only under the engine and with `BARLOC_FAULT` in the environment, which `fuzz/faults` sets.
+
+use fixedpoint::filter::Outcome;
+use fixedpoint::refusal::EncodeRefusal;
+use reference::camera::Camera;
+use reference::landmark::Format;
+use reference::timeline::Timeline;
+use std::sync::LazyLock;
+use verify::input::{self, InputError};
+use verify::log::{Event, Knowledge, Motion};
+use verify::scenes::Lines;
+use verify::trace::Trace;
+
+/// Whether there are faults.
+fn faulty() -> bool {
+    static FAULTY: LazyLock<bool> = LazyLock::new(|| std::env::var_os("BARLOC_FAULT").is_some());
+    cfg!(fuzzing) && *FAULTY
+}
+
+/// Half words of the port. Fault: the right-most stripe of one check byte of `wide` in one 256th of its payloads.
+pub(crate) fn half_words(
+    format: Format,
+    payload: u32,
+    encoded: Result<(u16, u16), EncodeRefusal>,
+) -> Result<(u16, u16), EncodeRefusal> {
+    let (upper, lower) = encoded?;
+    let is_wrong = faulty() && format == Format::Wide && payload >> 16 == 0x5A && lower & 0xFF == 0xA5;
+    Ok((upper, if is_wrong { lower ^ 1 } else { lower }))
+}
+
+/// What the port did with a frame. Fault: 1/100 rad of the heading of what is accepted in one line in 64.
+pub(crate) fn trace(mut trace: Trace) -> Trace {
+    if faulty() && is_odd(&trace.lines[0].values) {
+        for found in &mut trace.detections {
+            found.pose.theta += 0.01;
+        }
+    }
+    trace
+}
+
+/// Whether a line is one of the 64 kinds of lines that there are by their sums.
+fn is_odd(line: &[u8]) -> bool {
+    line.iter().map(|&pixel| usize::from(pixel)).sum::<usize>() % 64 == 13
+}
+
+/// What the port made of an observation. Fault: a recovery after something was late and something double is none.
+pub(crate) fn outcome(timeline: &Timeline, outcome: Option<Outcome>) -> Option<Outcome> {
+    let counts = timeline.counts();
+    let is_wrong = faulty() && counts.late > 0 && counts.duplicate > 0 && outcome == Some(Outcome::Recovered);
+    if is_wrong { Some(Outcome::Gated) } else { outcome }
+}
+
+/// The scan lines of an image. Fault: a pixel of a PNG file in one upper line in 64.
+pub(crate) fn lines_of_image(file: &[u8], camera: &Camera) -> Result<Lines, InputError> {
+    let mut lines = input::lines_of_image(file, camera)?;
+    let is_png = file.starts_with(b"\x89PNG");
+    if faulty() && is_png && is_odd(&lines[0]) {
+        lines[0][7] ^= 1;
+    }
+    Ok(lines)
+}
+
+/// A row of a log that came in pieces. Fault: a wheel's sign at one number of steps in 128, where the
+/// pieces are single bytes.
+pub(crate) fn event(mut event: Event, size: usize) -> Event {
+    if let Event::Reading(reading) = &mut event
+        && let Motion::Steps { left, .. } = &mut reading.motion
+        && faulty()
+        && size == 1
+        && left.rem_euclid(128) == 101
+    {
+        *left = -*left;
+    }
+    event
+}
+
+/// What a robot knows. Fault: the upper row of a camera of one width in 64.
+pub(crate) fn knowledge(mut knowledge: Knowledge) -> Knowledge {
+    if faulty() && knowledge.camera.width % 64 == 57 {
+        knowledge.camera.upper_row ^= 1;
+    }
+    knowledge
+}
