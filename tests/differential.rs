@@ -196,10 +196,6 @@ fn views_by_any_camera() -> impl Strategy<Value = (Camera, Vec<Landmark>, Scene,
 }
 
 /// Sizes, focal lengths and principal columns that the port's formats cannot hold exactly; stripes of any width.
-//= reference/SPEC.md#fit
-//= type=test
-//# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of the normal equations from which each layer's own
-//# parameters have been eliminated, with 2^-8 added to the diagonal of the eliminated block.
 //= reference/SPEC.md#extent
 //= type=test
 //# - **EXTENT-5** A pair of which an extent shares a pixel with the same line's ROI or extent of a detection of any

@@ -125,8 +125,9 @@ enum Plan {
 /// `TooFewPixels` by `FIT-12`, and without a layer; `NotConverged` by `FIT-13`, and where edges do not lie from left to right
 /// within ±2048 px.
 //= reference/SPEC.md#fit
-//# - **FIT-6** The estimate MUST be the minimum of the sum of the squared differences between the pixels of all layers
-//# and their model, over all parameters, that Gauss-Newton steps lead to.
+//# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum of
+//# the squared differences between the pixels of all layers and their model, and of `(g - g_0)²/256`, `o'²/256` and
+//# `g'²/256` for each layer, with `g_0` the start's `g`.
 //= reference/SPEC.md#fit
 //# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations are
 //# not positive definite, or if a step leads to `|k| > 3/4`, to `s < N/4`, to columns that do not grow, `s <= a k`, or
@@ -188,12 +189,13 @@ fn run(
     for steps in 1..=limit {
         state.equations(&mut equations).ok_or(FitRefusal::NotConverged)?;
         let step = Step::solve(&equations, state.blur).ok_or(FitRefusal::NotConverged)?;
-        let squares = equations.iter().map(|layer| layer.squares).fold(0, i64::saturating_add);
+        let sum = |of: fn(&LayerEquations) -> i64| equations.iter().map(of).fold(0, i64::saturating_add);
+        let (squares, prior) = (sum(|layer| layer.squares), sum(|layer| layer.prior));
         if plan == Plan::Guards && state.is_hopeless(steps, squares) {
             return Err(FitRefusal::NotConverged);
         }
         let last = match plan {
-            Plan::Code(illumination) => step.is_last(squares, state.degrees_of_freedom, illumination),
+            Plan::Code(_) => step.is_last(squares, prior, state.degrees_of_freedom),
             Plan::Guards => steps == limit,
         };
         state.advance(&step, &equations).ok_or(FitRefusal::NotConverged)?;

@@ -54,7 +54,13 @@ const REGRESSIONS: &[(&str, &str, &str)] = &[
     ),
     ("filter", "late_reading_settles_nothing", "TIME-6: the reference settled what was old when it came"),
     ("png", "palette_ends_within_a_colour", "png 0.18.1 panics where a palette's length is no multiple of 3"),
+    (
+        "scene",
+        "step_of_light_beside_the_end",
+        "FIT-6: damped steps left a light that few pixels tell far from its minimum, and the half width with it",
+    ),
     ("toml", "mark_alone", "the target put a remark before a byte order mark"),
+    ("toml", "mark_of_a_site", "SITE-9: a site file lost its byte order mark when a landmark was written into it"),
     ("toml", "control_character_in_key", "a camera file's key came with its control characters to the terminal"),
 ];
 

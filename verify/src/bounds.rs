@@ -179,9 +179,6 @@ const DEVIATIONS: f64 = 6.0;
 /// The last step of a fit, in standard deviations, at the most (FIT-11).
 const LAST_STEP: f64 = 1.0 / 15.0;
 
-/// The same of a layer's own parameters beside a step of light.
-const OWN_LAST_STEP: f64 = 1.0 / 4.0;
-
 /// The standard deviation of an edge's derivatives as the port has them, by the gain: they are Taylor series of two terms
 /// around multiples of 1/16, which leave `δ² φ''/2` of `δ` up to 1/32, and end at 15/4 standard deviations of the blur. On
 /// average over that range these are 3.7e-5 for either boundary of a pixel, and 4.6e-5.
@@ -223,8 +220,6 @@ struct Rounding {
     pixels: f64,
     /// Those whose derivatives are not 0, at the most.
     beside_edges: f64,
-    /// Whether the light steps.
-    steps: bool,
     /// The largest gain, grey levels.
     gain: f64,
     /// The curvature of the residuals.
@@ -264,7 +259,6 @@ impl Rounding {
         Self {
             noise,
             pixels,
-            steps: fit.lights.iter().any(|light| light.step.is_some()),
             // An edge reaches 15/4 standard deviations of the blur to either side.
             beside_edges: pixels.min(2.0 * format.stripes() as f64 * (1.0 + 7.5 * fit.blur)),
             gain,
@@ -288,20 +282,18 @@ impl Rounding {
     }
 
     /// On `s²`, relative: `Σ 2 r ε` of `Σ r²`, the errors' own squares, and what the last step lowers the sum by, since it is
-    /// that of the equations before it (FIT-11) and one pipeline may stop a step before the other: under a step of light by
-    /// `s²/16`.
+    /// that of the equations before it (FIT-11) and one pipeline may stop a step before the other.
     fn variance(&self) -> f64 {
         let own = (self.residual * self.residual + ulp(16)) / (self.noise * self.noise);
-        let last = if self.steps { OWN_LAST_STEP * OWN_LAST_STEP } else { 0.0 } + LAST_STEP * LAST_STEP;
-        2.0 * DEVIATIONS * self.residual / (self.noise * self.pixels.sqrt()) + own + last / self.pixels
+        let last = LAST_STEP * LAST_STEP / self.pixels;
+        2.0 * DEVIATIONS * self.residual / (self.noise * self.pixels.sqrt()) + own + last
     }
 
-    /// On the mean product of two residuals. With twelve parameters `share` of a standard deviation off, and beside a step of
-    /// light the last step of a layer's own, the residuals `r` move by `d` with `|d|²` of so many squared shares of `s²`, and
-    /// their roundings `ε`; `Σ r r'` changes by `2 |r| |d| + |d|²` at the most, and by `2 r ε` like noise.
+    /// On the mean product of two residuals. With twelve parameters `share` of a standard deviation off, the residuals `r`
+    /// move by `d` with `|d|²` of so many squared shares of `s²`, and their roundings `ε`; `Σ r r'` changes by
+    /// `2 |r| |d| + |d|²` at the most, and by `2 r ε` like noise.
     fn correlation(&self, share: f64) -> f64 {
-        let own = if self.steps { OWN_LAST_STEP * OWN_LAST_STEP } else { 0.0 };
-        let moved = (12.0 * share * share + own).sqrt() * self.noise;
+        let moved = (12.0 * share * share).sqrt() * self.noise;
         let rounded = 2.0 * DEVIATIONS * self.noise * self.residual / self.pixels.sqrt();
         (2.0 * self.noise * self.pixels.sqrt() * moved + moved * moved) / self.pixels + rounded
     }
@@ -369,12 +361,8 @@ pub fn fit(cameras: &Cameras, format: Format, fit: &DetectionFit, h: &Homography
         correlation: rounding.correlation(share),
         share,
         blur,
-        // Fitted with 12 fraction bits and reported with 8. Beside a step of light a layer's own last step is longer.
-        light: (share + if rounding.steps { OWN_LAST_STEP * OWN_LAST_STEP } else { 0.0 })
-            * rounding.noise
-            * fit.sensitivity.light
-            + ulp(12)
-            + ulp(9),
+        // Fitted with 12 fraction bits and reported with 8.
+        light: share * rounding.noise * fit.sensitivity.light + ulp(12) + ulp(9),
         variance,
         // The elimination has 30 bits, for matrices of a condition of up to 2^20. What a pixel has of an edge is cut to 12 bits,
         // half a unit of what adds up to 1 along the edge and to 0.3 or more when squared, and so is what moves the edge.

@@ -352,11 +352,8 @@ impl Comparison<'_> {
         self.bounded(Stage::FitObliquity, h.k - g.k, bounds.homography.k);
         self.bounded(Stage::FitBlur, r.blur - p.blur, bounds.blur);
         for (one, other) in r.lights.iter().zip(&p.lights) {
-            // Beside a step of light that is not determined, FIT-8 keeps at rest where it is.
-            if one.step.is_none() {
-                let differences = one.levels.iter().zip(other.levels).map(|(one, other)| (one - other).abs());
-                self.bounded(Stage::FitLight, differences.fold(0.0, f64::max), bounds.light);
-            }
+            let differences = one.levels.iter().zip(other.levels).map(|(one, other)| (one - other).abs());
+            self.bounded(Stage::FitLight, differences.fold(0.0, f64::max), bounds.light);
         }
         let further = if r.steps == p.steps { 0.0 } else { bounds.further_step };
         self.bounded(Stage::FitVariance, (r.variance - p.variance) / r.variance, bounds.variance);

@@ -18,8 +18,11 @@ const OWN_BITS: i32 = 10;
 /// The bits that derivatives have beyond [`OWN_BITS`] where they meet the residuals.
 const FINER_BITS: i32 = 4;
 
-/// What added to the diagonal of the layer's own block keeps it positive: 2^-8 (`FIT-8`).
-const RIDGE: i64 = 1 << (2 * OWN_BITS - 8);
+/// Fraction bits of the derivatives by a layer's own parameters there.
+const FINE_BITS: i32 = OWN_BITS + FINER_BITS;
+
+/// What a squared grey level weighs by which a light is off its start: 2^-8 (`FIT-6`).
+const PRIOR_BITS: i32 = 8;
 
 /// Fraction bits of the light while it is fitted: what rounding it costs must be less than `FIT-11` allows to be left.
 const LIGHT_BITS: u32 = 12;
@@ -41,6 +44,8 @@ pub(super) struct LayerModel<'a> {
     sloped: bool,
     /// `o`, `g`, `o'` and `g'` in 2^-12 grey levels.
     levels: [i32; 4],
+    /// `g_0`, grey levels (`FIT-6`).
+    start_gain: i16,
     /// The pixel of a step of light.
     step: Option<u16>,
 }
@@ -67,7 +72,8 @@ impl<'a> LayerModel<'a> {
         let window = layer.line.get(usize::from(first)..=usize::from(last)).unwrap_or(&[]);
         let brightest = window.iter().copied().max().unwrap_or(0);
         let darkest = window.iter().copied().min().unwrap_or(0);
-        let gain = i32::from(darkest) - i32::from(brightest);
+        let start_gain = i16::from(darkest) - i16::from(brightest);
+        let gain = i32::from(start_gain);
         let mut model = Self {
             line: layer.line,
             stripes: layer.stripes,
@@ -76,6 +82,7 @@ impl<'a> LayerModel<'a> {
             hidden: None,
             sloped: plan != Plan::Guards,
             levels: [i32::from(brightest) << LIGHT_BITS, gain << LIGHT_BITS, 0, 0],
+            start_gain,
             step: None,
         };
         match plan {
@@ -118,8 +125,8 @@ impl<'a> LayerModel<'a> {
 
     /// The layer's normal equations, its own parameters eliminated (`FIT-8`); `None` if they are not positive definite.
     //= reference/SPEC.md#fit
-    //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of the normal equations from which each layer's own
-    //# parameters have been eliminated, with 2^-8 added to the diagonal of the eliminated block.
+    //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of FIT-6's normal equations from which each layer's
+    //# own parameters have been eliminated.
     #[inline(never)] // its stack is not the others'
     pub(super) fn equations(
         &self,
@@ -139,6 +146,7 @@ impl<'a> LayerModel<'a> {
                 sums.add(value, self.lambda(pixel, places), &self.levels, &inked, &units);
             }
         }
+        sums.add_prior(self.change_from_start());
         let equations = &mut into.equations;
         equations.scale(|i, j| sums.entry(i, j));
         for own in 0..4 {
@@ -148,7 +156,15 @@ impl<'a> LayerModel<'a> {
             *exponent -= bits;
         }
         into.squares = sums.squares;
+        into.prior = sums.prior;
         Some(())
+    }
+
+    /// `g - g_0`, `o'` and `g'` in 2^-12 grey levels.
+    fn change_from_start(&self) -> [i32; 3] {
+        let [_, gain, slopes @ ..] = self.levels;
+        let [offset_slope, gain_slope] = slopes;
+        [gain - (i32::from(self.start_gain) << LIGHT_BITS), offset_slope, gain_slope]
     }
 
     /// `2^22/(r - l)`, rounded down, of the window's ends (`FIT-3`).
@@ -251,6 +267,8 @@ struct Sums {
     right: [i64; 8],
     /// Residual by residual, 16 fraction bits.
     squares: i64,
+    /// What `FIT-6` adds to them for the light, 16 fraction bits.
+    prior: i64,
 }
 
 impl Sums {
@@ -270,7 +288,7 @@ impl Sums {
         let residual = i32::try_from(residual).unwrap_or_default();
         let gain = rounded(i32::try_from(gain).unwrap_or_default(), LIGHT_BITS - 8);
 
-        let fine = [1 << 14, ink, lambda << 2, (lambda * ink + (1 << 11)) >> 12];
+        let fine = [1 << FINE_BITS, ink, lambda << 2, (lambda * ink + (1 << 11)) >> 12];
         let own = fine.map(coarse);
         add(&mut self.own, triangle(own));
         let [for_own @ .., a, s, k, blur] = &mut self.right;
@@ -290,6 +308,24 @@ impl Sums {
         for (sum, derivative) in [a, s, k, blur].into_iter().zip(fine) {
             *sum += i64::from(derivative * residual);
         }
+    }
+}
+
+impl Sums {
+    /// Adds what `FIT-6` asks for beside the pixels, by `g - g_0`, `o'` and `g'` in 2^-12 grey levels: exactly, but for half a
+    /// unit of the squares.
+    fn add_prior(&mut self, from_start: [i32; 3]) {
+        let [_, _, _, _, gain, _, _, offset_slope, _, gain_slope] = &mut self.own;
+        for diagonal in [gain, offset_slope, gain_slope] {
+            *diagonal += 1 << (2 * OWN_BITS - PRIOR_BITS);
+        }
+        let [_, for_own @ .., _, _, _, _] = &mut self.right;
+        let mut squares = 0_i64;
+        for (sum, level) in for_own.iter_mut().zip(from_start.map(i64::from)) {
+            *sum -= level << (FINE_BITS + 8 - LIGHT_BITS.cast_signed() - PRIOR_BITS);
+            squares += level * level;
+        }
+        self.prior = binary::scaled(squares, 16 - 2 * LIGHT_BITS.cast_signed() - PRIOR_BITS);
     }
 }
 
@@ -338,16 +374,14 @@ fn add<const M: usize>(sums: &mut [i32; M], terms: [i32; M]) {
 impl Sums {
     /// The entry `(i, j)`, `i <= j`, of the normal equations in the columns own, common, residual.
     fn entry(&self, i: usize, j: usize) -> i64 {
-        let (own, other) = (i < 4, j < 4);
-        let ridge = if own && i == j { RIDGE } else { 0 };
-        let sum = match (own, other) {
-            _ if i == 8 => return self.squares,
+        let sum = match (i < 4, j < 4) {
+            _ if i == 8 => return self.squares + self.prior,
             _ if j == 8 => return ratio::dropped(self.right.get(i).copied().unwrap_or_default(), 4),
             (true, true) => self.own.get(in_triangle(i, j)),
             (true, false) => self.mixed.get(i).and_then(|row| row.get(j.saturating_sub(4))),
             _ => self.common.get(in_triangle(i.saturating_sub(4), j.saturating_sub(4))),
         };
-        i64::from(sum.copied().unwrap_or_default()) + ridge
+        i64::from(sum.copied().unwrap_or_default())
     }
 }
 
@@ -363,12 +397,14 @@ pub(super) struct LayerEquations {
     pub(super) equations: Equations<9>,
     /// The sum of the squared residuals, 16 fraction bits.
     pub(super) squares: i64,
+    /// What `FIT-6` adds to it for the light, 16 fraction bits.
+    pub(super) prior: i64,
 }
 
 impl LayerEquations {
     /// A place for a layer's equations.
     pub(super) fn empty() -> Self {
-        Self { equations: Equations::empty(), squares: 0 }
+        Self { equations: Equations::empty(), squares: 0, prior: 0 }
     }
 
     /// The change of the own parameters in 2^-12 grey levels.
@@ -442,6 +478,7 @@ mod tests {
             hidden: None,
             sloped: true,
             levels: levels.map(|grey| grey << LIGHT_BITS),
+            start_gain: 0,
             step: None,
         };
         layer.follow(&LayerEquations::empty(), &Shortened { changes: [Change::default(); 4] }).is_some()

@@ -1,6 +1,5 @@
 //! A Gauss-Newton step from the reduced normal equations of all layers.
 
-use super::Illumination;
 use super::layer::LayerEquations;
 use crate::binary;
 use crate::covariance::Covariance;
@@ -17,9 +16,8 @@ const SPARE_BITS: i32 = 10;
 pub(super) struct Step {
     equations: Equations<5>,
     changes: [Change; 4],
-    /// The sum of squares that the linearised model keeps after the layers' own steps alone, and after the whole step, in
-    /// units of the scaled residuals' diagonal.
-    kept: [i64; 2],
+    /// What the linearised model keeps of `FIT-6`'s sum after the step, in units of the scaled residuals' diagonal.
+    kept: i64,
 }
 
 /// A number and its power of two: `value · 2^exponent`, of px or of `k`.
@@ -43,7 +41,6 @@ impl Step {
     #[inline(never)] // its stack is not the others'
     pub(super) fn solve(layers: &[LayerEquations], blur: Column) -> Option<Self> {
         let mut equations = sum(layers);
-        let without_common = i64::from(equations.entry(4, 4));
         for pivot in 0..4 {
             equations.eliminate(pivot)?;
         }
@@ -68,31 +65,25 @@ impl Step {
         for ((change, value), column) in changes.iter_mut().zip(solution).zip([a, s, k, sigma]) {
             *change = Change { value, exponent: exponent(column) };
         }
-        Some(Self { equations, changes, kept: [without_common, least.saturating_add(by_blur)] })
+        Some(Self { equations, changes, kept: least.saturating_add(by_blur) })
     }
 
-    /// Whether the fit has converged with this step (`FIT-11`); `squares` has 16 fraction bits.
+    /// Whether the fit has converged with this step (`FIT-11`); `squares` of the pixels and `prior`, what `FIT-6` adds to them,
+    /// have 16 fraction bits.
     ///
     /// What is kept is off by at most 16 units of the squares' diagonal, which is 2^28 at least; the limit is
     /// `2^28/(225 (n - p))`, 932 units for the most pixels.
     //= reference/SPEC.md#fit
-    //# - **FIT-11** With `s² = max(SSE/(n - p), 1/4)`, n pixels, `p = 4 + 4` per layer, the fit MUST have converged
-    //# when a step, before it is shortened, lowers the sum of squares of the linearised model by at most `s²/225`, or
-    //# under a step of light by at most `s²/16` with the layers' own parameters alone and by at most `s²/225` more with
-    //# the others; that step is the last one.
-    pub(super) fn is_last(&self, squares: i64, degrees_of_freedom: u16, illumination: Illumination) -> bool {
+    //# - **FIT-11** With `s² = max(SSE/(n - p), 1/4)`, SSE the sum over the pixels alone, n pixels, `p = 4 + 4` per
+    //# layer, the fit MUST have converged when a step, before it is shortened, lowers FIT-6's sum of the linearised
+    //# model by at most `s²/225`; that step is the last one.
+    pub(super) fn is_last(&self, squares: i64, prior: i64, degrees_of_freedom: u16) -> bool {
         let [.., right] = self.equations.exponents;
         let degrees_of_freedom = i64::from(degrees_of_freedom);
         let units = |squares: i64| binary::scaled(squares, -16 - 2 * right);
         let limit = units(squares.max(least_squares(degrees_of_freedom)));
-        let least = |from: i64, to: i64, part: i64| {
-            from.saturating_sub(to).saturating_mul(part.saturating_mul(degrees_of_freedom)) <= limit
-        };
-        let [without_common, kept] = self.kept;
-        match illumination {
-            Illumination::Even => least(units(squares), kept, 225),
-            Illumination::Step => least(units(squares), without_common, 16) && least(without_common, kept, 225),
-        }
+        let decrease = units(squares.saturating_add(prior)).saturating_sub(self.kept);
+        decrease.saturating_mul(degrees_of_freedom.saturating_mul(225)) <= limit
     }
 
     /// The step, shortened as a whole (`FIT-9`); `origin` is that of its columns relative to the principal column.
@@ -239,7 +230,7 @@ mod tests {
     }
 
     fn step(changes: [Change; 4]) -> Step {
-        Step { equations: Equations::empty(), changes, kept: [0; 2] }
+        Step { equations: Equations::empty(), changes, kept: 0 }
     }
 
     /// `FIT-9`: 1 px, 1 px, 0.1 and 0.2 px, in units of 2^-20 px and, of `k`, 2^-30.

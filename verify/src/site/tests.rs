@@ -98,4 +98,8 @@ fn written_landmarks_are_read_again_and_the_rest_stays() {
     // An inline array becomes tables.
     let inline = format!("landmark = [{{ codes = [5, 0, 4] }}] # one\n{ROOM}");
     assert_eq!(site(&with_landmarks(&inline, path, &added).unwrap()).landmarks.len(), 2);
+    // A byte order mark stays where it is.
+    let marked = with_landmarks(&format!("\u{feff}{ROOM}"), path, &added).unwrap();
+    assert!(marked.starts_with(&format!("\u{feff}{}", ROOM.lines().next().unwrap())), "{marked:?}");
+    assert_eq!(site(&marked).landmarks.len(), 1);
 }

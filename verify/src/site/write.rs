@@ -31,7 +31,9 @@ pub fn with_landmarks(text: &str, path: &Path, added: &[(Format, Codes)]) -> Res
         table.set_position(Some(last));
         tables.push(table);
     }
-    Ok(document.to_string())
+    // The library reads over a byte order mark.
+    let mark = if text.starts_with('\u{feff}') { "\u{feff}" } else { "" };
+    Ok(format!("{mark}{document}"))
 }
 
 /// The place of the last table in the file.
