@@ -9,7 +9,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use reference::bound::homography_of;
 use reference::camera::Camera;
-use reference::filter::{GATE, Outcome};
+use reference::filter::Outcome;
 use reference::frame::{self, Pose, Robot, World};
 use reference::homography::Homography;
 use reference::landmark::{Format, Landmark};
@@ -144,17 +144,13 @@ impl Chain {
 
     /// A decision; how many images both have used since they last decided otherwise.
     fn count(&mut self, outcomes: &Outcomes, alike: u32) -> u32 {
-        let nis = match outcomes.reference {
-            Outcome::Used { nis } => Some(nis),
-            Outcome::Gated { nis } | Outcome::Recovered { nis } => nis,
-        };
         if outcomes.agree() {
             self.used += u64::from(matches!(outcomes.reference, Outcome::Used { .. }));
             self.recovered += u64::from(matches!(outcomes.reference, Outcome::Recovered { .. }));
             return alike + u32::from(!matches!(outcomes.reference, Outcome::Gated { .. }));
         }
         self.differing += 1;
-        let near = nis.is_some_and(|nis| (nis / GATE - 1.0).abs() < NEAR);
+        let near = outcomes.reference.from_gate() < NEAR;
         assert!(near || alike < 2, "differently decided: {outcomes:?}");
         0
     }

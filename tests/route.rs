@@ -86,8 +86,9 @@ fn stay_together(report: &Report) {
 //= type=test
 //# - **SAME-7** Along a route both filters that are given LAYER's measurements at EXPOSE-1's times MUST stay within 1
 //# mm and 0.1° of each other wherever they have decided alike (ROUTE-7), and decide otherwise only where one of them
-//# accepts a landmark that the other does not by SAME-5, where the reference's NIS is within 1 in 1,000 of FILTER-4's
-//# limit, or where they already have and not both used observations twice since.
+//# accepts a landmark that the other does not by SAME-5, where the reference's NIS, by its estimate or by its
+//# candidate, is within 1 in 1,000 of FILTER-4's limit, or where they already have and not both used observations twice
+//# since.
 #[test]
 fn both_pipelines_stay_within_a_millimetre() {
     TRIANGLE.iter().for_each(stay_together);

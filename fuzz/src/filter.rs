@@ -14,7 +14,7 @@ use crate::draw::Draw;
 use crate::fault;
 use in_order::InOrder;
 use program::{Observation, Program, Reading, Step};
-use reference::filter::{Filter, GATE, Outcome};
+use reference::filter::{Filter, Outcome};
 use reference::timeline::{Timeline, Untimely};
 use verify::filters::Apart;
 
@@ -139,10 +139,7 @@ impl Both {
 
 /// Whether something has been decided so nearly that the pipelines need not agree on it (SAME-7).
 fn is_near_gate(outcome: &Outcome) -> bool {
-    match outcome {
-        Outcome::Used { nis } | Outcome::Gated { nis: Some(nis) } => (nis / GATE - 1.0).abs() < NEAR_GATE,
-        Outcome::Gated { nis: None } | Outcome::Recovered { .. } => false,
-    }
+    outcome.from_gate() < NEAR_GATE
 }
 
 fn untimely(refusal: fixedpoint::refusal::Untimely) -> Untimely {

@@ -29,12 +29,30 @@ pub enum Outcome {
     Gated {
         /// Its NIS; `None` where the landmark is behind the camera, or the linearisations have not settled.
         nis: Option<f64>,
+        /// Its NIS by the candidate that there was; `None` also without one.
+        by_candidate: Option<f64>,
     },
     /// It was not, but agreed with one of another image, and the filter begins again where they say.
     Recovered {
-        /// Its NIS against the estimate that is given up; `None` as for the gate.
+        /// Its NIS by the estimate that is given up; `None` as for the gate.
         nis: Option<f64>,
+        /// Its NIS by the candidate that it agrees with.
+        by_candidate: Option<f64>,
     },
+}
+
+impl Outcome {
+    /// How near a NIS that decided was to the gate, as a share of it; infinite if none did.
+    #[must_use]
+    pub fn from_gate(&self) -> f64 {
+        let share = |nis: f64| (nis / GATE - 1.0).abs();
+        match *self {
+            Self::Used { nis } => share(nis),
+            Self::Gated { nis, by_candidate } | Self::Recovered { nis, by_candidate } => {
+                [nis, by_candidate].into_iter().flatten().map(share).fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
 }
 
 /// How often what became of observations.
@@ -130,21 +148,23 @@ impl Filter {
     //= reference/SPEC.md#filter
     //# - **FILTER-8** An observation that is used MUST end the candidate.
     fn consider(&mut self, sighting: &Sighting, image: u64, nis: Option<f64>) -> Outcome {
-        let agreeing = self.candidate.and_then(|candidate| {
-            let update = candidate.estimate.updated(sighting, &self.drive).filter(|update| update.nis <= GATE)?;
+        let updated = self.candidate.and_then(|candidate| {
             let images = candidate.images + usize::from(image != candidate.last);
-            Some(Candidate { estimate: update.estimate, images, last: image })
+            Some((candidate.estimate.updated(sighting, &self.drive)?, images))
         });
+        let by_candidate = updated.as_ref().map(|(update, _)| update.nis);
+        let agreeing = updated.filter(|(update, _)| update.nis <= GATE);
+        let agreeing = agreeing.map(|(update, images)| Candidate { estimate: update.estimate, images, last: image });
         let candidate = agreeing.unwrap_or_else(|| self.estimate.replaced(sighting, image));
         if candidate.images < AGREEING {
             self.candidate = Some(candidate);
             self.counts.gated += 1;
-            return Outcome::Gated { nis };
+            return Outcome::Gated { nis, by_candidate };
         }
         self.estimate = candidate.estimate;
         self.candidate = None;
         self.counts.recovered += 1;
-        Outcome::Recovered { nis }
+        Outcome::Recovered { nis, by_candidate }
     }
 }
 
@@ -375,7 +395,7 @@ mod tests {
             let start = state(0.7 + draw(0.003), 0.02 + draw(0.003), -0.1 + draw(0.01));
             let mut filter = filter(start, [0.003, 0.003, 0.01, 1e-6, 1e-6]);
             match filter.observe(&sighting(&truth, &mut rng), 0) {
-                Outcome::Used { nis } | Outcome::Gated { nis: Some(nis) } => sum += nis,
+                Outcome::Used { nis } | Outcome::Gated { nis: Some(nis), .. } => sum += nis,
                 other => panic!("{other:?}"),
             }
         }
@@ -398,13 +418,28 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let truth = state(0.3, 0.02, PI);
         let mut filter = filter(state(0.7, 0.0, 0.0), START);
-        assert!(matches!(filter.observe(&sighting(&truth, &mut rng), 7), Outcome::Gated { .. }));
+        let first = filter.observe(&sighting(&truth, &mut rng), 7);
+        assert!(matches!(first, Outcome::Gated { by_candidate: None, .. }), "{first:?}");
         // The other layer of the same image says nothing new.
-        assert!(matches!(filter.observe(&sighting(&truth, &mut rng), 7), Outcome::Gated { .. }));
-        assert!(matches!(filter.observe(&sighting(&truth, &mut rng), 8), Outcome::Recovered { .. }));
+        let again = filter.observe(&sighting(&truth, &mut rng), 7);
+        assert!(matches!(again, Outcome::Gated { by_candidate: Some(nis), .. } if nis <= GATE), "{again:?}");
+        let last = filter.observe(&sighting(&truth, &mut rng), 8);
+        assert!(matches!(last, Outcome::Recovered { by_candidate: Some(nis), .. } if nis <= GATE), "{last:?}");
         let error = difference(&filter.estimate().state, &truth);
         assert!(error[0].hypot(error[1]) < 0.01 && error[2].abs() < 0.03, "{error}");
         assert_eq!(filter.counts(), Counts { used: 0, gated: 2, recovered: 1 });
+    }
+
+    /// SAME-7: whichever NIS decided.
+    #[test]
+    fn the_nearest_nis_is_how_near_to_the_gate_it_was() {
+        let far = Some(2.0 * GATE);
+        let near = |outcome: Outcome| (outcome.from_gate() - 0.25).abs() < 1e-12;
+        assert!(near(Outcome::Used { nis: 0.75 * GATE }));
+        assert!(near(Outcome::Gated { nis: Some(1.25 * GATE), by_candidate: None }));
+        assert!(near(Outcome::Gated { nis: far, by_candidate: Some(1.25 * GATE) }));
+        assert!(near(Outcome::Recovered { nis: far, by_candidate: Some(0.75 * GATE) }));
+        assert!(Outcome::Gated { nis: None, by_candidate: None }.from_gate().is_infinite());
     }
 
     //= reference/SPEC.md#filter

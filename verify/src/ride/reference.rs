@@ -5,7 +5,7 @@ use crate::log::Event;
 use nalgebra::Matrix3;
 use reference::covariance::UncertainPose;
 use reference::exposure::Time;
-use reference::filter::{Estimate, GATE, Outcome};
+use reference::filter::Estimate;
 use reference::frame::Pose;
 use reference::localizer::{Localizer, Observed, Setup};
 use reference::observer::Silent;
@@ -74,12 +74,7 @@ impl ReferenceRider {
 
 /// How near an observation's NIS was to the gate, as a share of it.
 fn from_gate(seen: &Observed) -> f64 {
-    match seen.result {
-        Ok(Some(Outcome::Used { nis } | Outcome::Gated { nis: Some(nis) } | Outcome::Recovered { nis: Some(nis) })) => {
-            (nis / GATE - 1.0).abs()
-        }
-        _ => f64::INFINITY,
-    }
+    seen.result.ok().flatten().map_or(f64::INFINITY, |outcome| outcome.from_gate())
 }
 
 /// What changed from one count to the next; what is taken anew may also end otherwise than before.
