@@ -200,7 +200,9 @@ mod tests {
         let (normal, curvature) = matrices(trial, fit, &colours, lines, &camera, COMMON);
         let mut expected = normal - &curvature;
         // The pixels' own, without what FIT-6 adds to them.
-        [5, 6, 7, 9, 10, 11].into_iter().for_each(|j| expected[(j, j)] -= 1.0 / 256.0);
+        for j in [5, 6, 7, 9, 10, 11] {
+            expected[(j, j)] -= 1.0 / 256.0;
+        }
         let sizes = [1e-3, 1e-3, 3e-5, 1e-3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
         for i in 0..12 {
             for j in 0..=i {
