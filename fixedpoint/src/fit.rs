@@ -126,8 +126,8 @@ enum Plan {
 /// within ±2048 px.
 //= reference/SPEC.md#fit
 //# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum of
-//# the squared differences between the pixels of all layers and their model, and of `(g - g_0)²/256`, `o'²/256` and
-//# `g'²/256` for each layer, with `g_0` the start's `g`.
+//# the squared differences between the pixels of all layers and their model, and of `o'²/256` and `g'²/256` for each
+//# layer.
 //= reference/SPEC.md#fit
 //# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations are
 //# not positive definite, or if a step leads to `|k| > 3/4`, to `s < N/4`, to columns that do not grow, `s <= a k`, or
@@ -147,8 +147,8 @@ pub fn fit(
 /// # Errors
 /// As [`fit`], except that it need not converge; `NotConverged` also where it is given up early.
 //= reference/SPEC.md#trellis
-//# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, and be refused as FIT-12 and
-//# FIT-13 otherwise say.
+//# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the diagonal
+//# for each layer's `g`, and be refused as FIT-12 and FIT-13 otherwise say.
 pub fn fit_guards(
     layers: &[FitLayer<'_>],
     start: &Start,

@@ -103,6 +103,11 @@ fn keeps_its_lines(text: &str, more: &str) {
     if in_line || text.contains('\r') {
         return;
     }
+    let [(was_marked, text), (is_marked, more)] = [text, more].map(|text| {
+        let unmarked = text.strip_prefix('\u{feff}');
+        (unmarked.is_some(), unmarked.unwrap_or(text))
+    });
+    assert_eq!(is_marked, was_marked, "SITE-9: the byte order mark");
     let mut lines = more.lines().map(str::trim_end);
     for line in text.lines().map(str::trim_end) {
         assert!(lines.any(|other| other == line), "SITE-9: {line:?} is lost in\n{more}");

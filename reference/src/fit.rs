@@ -29,7 +29,7 @@ const CONVERGED: f64 = 1.0 / 225.0;
 /// The least variance of a pixel, squared grey levels: half a grey level is lost to rounding (FIT-11).
 pub const ROUNDING_VARIANCE: f64 = 1.0 / 4.0;
 
-/// What a squared grey level weighs by which a light is off its start, pixels (FIT-6).
+/// What a squared grey level weighs by which a light changes, pixels (FIT-6).
 const PRIOR: f64 = 1.0 / 256.0;
 
 /// A layer as it was decoded.
@@ -223,6 +223,14 @@ impl Plan {
             Self::Guards { .. } => 2,
         }
     }
+
+    /// What is added to the diagonal for a gain, pixels (TRELLIS-3).
+    fn damping(self) -> f64 {
+        match self {
+            Self::Converge => 0.0,
+            Self::Guards { .. } => 1.0 / 256.0,
+        }
+    }
 }
 
 /// A pixel of the model.
@@ -267,8 +275,6 @@ struct Problem<'a> {
     format: Format,
     layers: &'a [FitLayer<'a>],
     windows: &'a [Window],
-    /// `g_0` of every layer (FIT-6).
-    start_gains: Vec<f64>,
     plan: Plan,
 }
 
@@ -303,10 +309,8 @@ impl Problem<'_> {
             own_decrease: 0.0,
             pixels: 0,
         };
-        for (((layer, window), light), &start_gain) in
-            self.layers.iter().zip(self.windows).zip(lights).zip(&self.start_gains)
-        {
-            self.add(layer, window, light, start_gain, imaging, &mut sum)?;
+        for ((layer, window), light) in self.layers.iter().zip(self.windows).zip(lights) {
+            self.add(layer, window, light, imaging, &mut sum)?;
         }
         Some(sum)
     }
@@ -316,7 +320,6 @@ impl Problem<'_> {
         layer: &FitLayer<'_>,
         window: &Window,
         light: &LayerLight,
-        start_gain: f64,
         imaging: &Imaging,
         sum: &mut Reduced,
     ) -> Option<()> {
@@ -343,11 +346,11 @@ impl Problem<'_> {
         //= reference/SPEC.md#fit
         //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of FIT-6's normal equations from which each
         //# layer's own parameters have been eliminated.
-        let prior = Matrix4::from_diagonal(&Vector4::new(0.0, PRIOR, PRIOR, PRIOR));
-        let own = (normal.fixed_view::<4, 4>(4, 4) + prior).cholesky()?;
+        let prior = Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, PRIOR, PRIOR));
+        let damping = Matrix4::from_diagonal(&Vector4::new(0.0, self.plan.damping(), 0.0, 0.0));
+        let own = (normal.fixed_view::<4, 4>(4, 4) + prior + damping).cholesky()?;
         let coupling: Matrix4<f64> = normal.fixed_view::<4, 4>(4, 0).into_owned();
-        let from_start = light.own() - Vector4::new(0.0, start_gain, 0.0, 0.0);
-        let own_right: Vector4<f64> = right.fixed_rows::<4>(4) - prior * from_start;
+        let own_right: Vector4<f64> = right.fixed_rows::<4>(4) - prior * light.own();
         let (by_common, alone) = (own.solve(&coupling), own.solve(&own_right));
         sum.matrix += normal.fixed_view::<4, 4>(0, 0) - coupling.transpose() * by_common;
         sum.right += right.fixed_rows::<4>(0) - coupling.transpose() * alone;
@@ -422,8 +425,8 @@ fn first_light(layer: &FitLayer<'_>, window: &Window) -> LayerLight {
 /// The fit of one or both layers of a landmark from `start` (FIT-1 to FIT-15).
 //= reference/SPEC.md#fit
 //# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum of
-//# the squared differences between the pixels of all layers and their model, and of `(g - g_0)²/256`, `o'²/256` and
-//# `g'²/256` for each layer, with `g_0` the start's `g`.
+//# the squared differences between the pixels of all layers and their model, and of `o'²/256` and `g'²/256` for each
+//# layer.
 //= reference/SPEC.md#fit
 //# - **FIT-14** The covariance of `(a, s, k)` MUST be `s²` times that block of the inverse of the reduced normal
 //# equations' matrix, at the last step.
@@ -460,8 +463,7 @@ pub fn fit_windows(
         LayerLight { step: Some(step), ..light }
     };
     let mut lights: Vec<LayerLight> = layers.iter().zip(windows).map(light).collect();
-    let start_gains = lights.iter().map(|light| light.gain).collect();
-    let problem = Problem { camera, format, layers, windows, start_gains, plan };
+    let problem = Problem { camera, format, layers, windows, plan };
     if !problem.has_contrast(&lights) {
         return Err(FitRefusal::TooFewPixels);
     }
@@ -820,8 +822,7 @@ mod tests {
                 if window.counts(pixel, value, &light) { difference.powi(2) } else { 0.0 }
             };
             let pixels: f64 = (window.first..).zip(&inks).map(square).sum();
-            let off = light.gain - first_light(layer, &window).gain;
-            pixels + (off.powi(2) + light.offset_slope.powi(2) + light.gain_slope.powi(2)) / 256.0
+            pixels + (light.offset_slope.powi(2) + light.gain_slope.powi(2)) / 256.0
         };
         sight.layers().iter().enumerate().map(of_layer).sum()
     }
@@ -845,8 +846,8 @@ mod tests {
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum
-    //# of the squared differences between the pixels of all layers and their model, and of `(g - g_0)²/256`, `o'²/256`
-    //# and `g'²/256` for each layer, with `g_0` the start's `g`.
+    //# of the squared differences between the pixels of all layers and their model, and of `o'²/256` and `g'²/256` for
+    //# each layer.
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of FIT-6's normal equations from which each layer's

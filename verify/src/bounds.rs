@@ -282,10 +282,12 @@ impl Rounding {
     }
 
     /// On `s²`, relative: `Σ 2 r ε` of `Σ r²`, the errors' own squares, and what the last step lowers the sum by, since it is
-    /// that of the equations before it (FIT-11) and one pipeline may stop a step before the other.
-    fn variance(&self) -> f64 {
+    /// that of the equations before it (FIT-11) and one pipeline may stop a step before the other. FIT-6's minimum is not that
+    /// of the pixels alone: as far as the prior has drawn it, their sum goes with the way itself, twelve parameters'.
+    fn variance(&self, share: f64) -> f64 {
         let own = (self.residual * self.residual + ulp(16)) / (self.noise * self.noise);
-        let last = LAST_STEP * LAST_STEP / self.pixels;
+        let way = 12.0_f64.sqrt() * share + LAST_STEP;
+        let last = (LAST_STEP * LAST_STEP + 2.0 * way * self.sensitivity.pull / self.noise) / self.pixels;
         2.0 * DEVIATIONS * self.residual / (self.noise * self.pixels.sqrt()) + own + last
     }
 
@@ -341,7 +343,7 @@ pub fn fit(cameras: &Cameras, format: Format, fit: &DetectionFit, h: &Homography
     let share = rounding.share();
     let deviation = |i: usize| fit.covariance[(i, i)].sqrt();
     let column = cameras.configuration_error().principal_column;
-    let variance = rounding.variance();
+    let variance = rounding.variance(share);
     let blur = share * fit.blur_deviation + ulp(15);
     // A pixel's change `d`, of up to three stripes, and its residual `r` have 6 fraction bits each, and `Σ (d² - 2 r d)`, about `Σ d²`, changes with
     // them by `Σ 2 (d - r) δd - 2 d δr`. Stripes of `w` px, alternately changed, lose `exp(-π² σ²/w²)` of their square to blur.

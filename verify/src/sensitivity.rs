@@ -19,10 +19,16 @@ pub struct Sensitivity {
     pub rate: f64,
     /// The largest standard deviation of a light's parameter, in those of a pixel.
     pub light: f64,
+    /// How far FIT-6's prior draws the minimum from that of the pixels alone: the root of the change of their sum of
+    /// squares, grey levels.
+    pub pull: f64,
 }
 
 /// Parameters that the layers have in common, and those of each layer.
 const COMMON: usize = 4;
+
+/// What a squared grey level weighs by which a light changes, pixels (FIT-6).
+const PRIOR: f64 = 1.0 / 256.0;
 
 /// By how much parameters are moved to see how derivatives change: pixels; `k` in as many of the half width.
 const MOVE: f64 = 1e-4;
@@ -38,7 +44,13 @@ pub fn sensitivity(trial: &TrialTrace, lines: [&[u8]; 2], camera: &Camera) -> Op
     let root = Cholesky::new(normal)?;
     let eigenvalues = relative(&root, &curvature)?.symmetric_eigenvalues();
     let light = root.inverse().diagonal().rows_range(columns..).max().sqrt();
-    Some(Sensitivity { softening: eigenvalues.max().max(0.0), rate: eigenvalues.amax(), light })
+    let slope = |j: usize| match j.checked_sub(columns) {
+        Some(own) if own % 4 >= 2 => fit.lights[own / 4].levels[own % 4],
+        _ => 0.0,
+    };
+    let prior = DVector::from_fn(root.l_dirty().nrows(), |j, _| PRIOR * slope(j));
+    let pull = root.l().solve_lower_triangular(&prior)?.norm();
+    Some(Sensitivity { softening: eigenvalues.max().max(0.0), rate: eigenvalues.amax(), light, pull })
 }
 
 /// `A` and `S` in the first `columns` of the common parameters and those of each layer.
@@ -58,7 +70,7 @@ fn matrices(
             pixel.add(&mut normal, &mut curvature, columns, own);
         }
         // FIT-6
-        (own + 1..own + 4).for_each(|j| normal[(j, j)] += 1.0 / 256.0);
+        (own + 2..own + 4).for_each(|j| normal[(j, j)] += PRIOR);
     }
     (normal, curvature)
 }
@@ -200,8 +212,8 @@ mod tests {
         let (normal, curvature) = matrices(trial, fit, &colours, lines, &camera, COMMON);
         let mut expected = normal - &curvature;
         // The pixels' own, without what FIT-6 adds to them.
-        for j in [5, 6, 7, 9, 10, 11] {
-            expected[(j, j)] -= 1.0 / 256.0;
+        for j in [6, 7, 10, 11] {
+            expected[(j, j)] -= PRIOR;
         }
         let sizes = [1e-3, 1e-3, 3e-5, 1e-3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
         for i in 0..12 {

@@ -21,8 +21,10 @@ const FINER_BITS: i32 = 4;
 /// Fraction bits of the derivatives by a layer's own parameters there.
 const FINE_BITS: i32 = OWN_BITS + FINER_BITS;
 
-/// What a squared grey level weighs by which a light is off its start: 2^-8 (`FIT-6`).
+/// What a squared grey level weighs by which a light changes (`FIT-6`), and by which a guard fit's step changes a gain
+/// (`TRELLIS-3`): 2^-8.
 const PRIOR_BITS: i32 = 8;
+const PRIOR: i32 = 1 << (2 * OWN_BITS - PRIOR_BITS);
 
 /// Fraction bits of the light while it is fitted: what rounding it costs must be less than `FIT-11` allows to be left.
 const LIGHT_BITS: u32 = 12;
@@ -44,8 +46,6 @@ pub(super) struct LayerModel<'a> {
     sloped: bool,
     /// `o`, `g`, `o'` and `g'` in 2^-12 grey levels.
     levels: [i32; 4],
-    /// `g_0`, grey levels (`FIT-6`).
-    start_gain: i16,
     /// The pixel of a step of light.
     step: Option<u16>,
 }
@@ -72,8 +72,7 @@ impl<'a> LayerModel<'a> {
         let window = layer.line.get(usize::from(first)..=usize::from(last)).unwrap_or(&[]);
         let brightest = window.iter().copied().max().unwrap_or(0);
         let darkest = window.iter().copied().min().unwrap_or(0);
-        let start_gain = i16::from(darkest) - i16::from(brightest);
-        let gain = i32::from(start_gain);
+        let gain = i32::from(darkest) - i32::from(brightest);
         let mut model = Self {
             line: layer.line,
             stripes: layer.stripes,
@@ -82,7 +81,6 @@ impl<'a> LayerModel<'a> {
             hidden: None,
             sloped: plan != Plan::Guards,
             levels: [i32::from(brightest) << LIGHT_BITS, gain << LIGHT_BITS, 0, 0],
-            start_gain,
             step: None,
         };
         match plan {
@@ -146,7 +144,8 @@ impl<'a> LayerModel<'a> {
                 sums.add(value, self.lambda(pixel, places), &self.levels, &inked, &units);
             }
         }
-        sums.add_prior(self.change_from_start());
+        let [_, _, offset_slope, gain_slope] = self.levels;
+        sums.add_prior([offset_slope, gain_slope], !self.sloped);
         let equations = &mut into.equations;
         equations.scale(|i, j| sums.entry(i, j));
         for own in 0..4 {
@@ -158,13 +157,6 @@ impl<'a> LayerModel<'a> {
         into.squares = sums.squares;
         into.prior = sums.prior;
         Some(())
-    }
-
-    /// `g - g_0`, `o'` and `g'` in 2^-12 grey levels.
-    fn change_from_start(&self) -> [i32; 3] {
-        let [_, gain, slopes @ ..] = self.levels;
-        let [offset_slope, gain_slope] = slopes;
-        [gain - (i32::from(self.start_gain) << LIGHT_BITS), offset_slope, gain_slope]
     }
 
     /// `2^22/(r - l)`, rounded down, of the window's ends (`FIT-3`).
@@ -312,16 +304,18 @@ impl Sums {
 }
 
 impl Sums {
-    /// Adds what `FIT-6` asks for beside the pixels, by `g - g_0`, `o'` and `g'` in 2^-12 grey levels: exactly, but for half a
-    /// unit of the squares.
-    fn add_prior(&mut self, from_start: [i32; 3]) {
+    /// Adds what `FIT-6` asks for beside the pixels, by `o'` and `g'` in 2^-12 grey levels, and a guard fit's damping: exactly,
+    /// but for half a unit of the squares.
+    fn add_prior(&mut self, slopes: [i32; 2], damped: bool) {
         let [_, _, _, _, gain, _, _, offset_slope, _, gain_slope] = &mut self.own;
-        for diagonal in [gain, offset_slope, gain_slope] {
-            *diagonal += 1 << (2 * OWN_BITS - PRIOR_BITS);
+        *offset_slope += PRIOR;
+        *gain_slope += PRIOR;
+        if damped {
+            *gain += PRIOR;
         }
-        let [_, for_own @ .., _, _, _, _] = &mut self.right;
+        let [_, _, for_slopes @ .., _, _, _, _] = &mut self.right;
         let mut squares = 0_i64;
-        for (sum, level) in for_own.iter_mut().zip(from_start.map(i64::from)) {
+        for (sum, level) in for_slopes.iter_mut().zip(slopes.map(i64::from)) {
             *sum -= level << (FINE_BITS + 8 - LIGHT_BITS.cast_signed() - PRIOR_BITS);
             squares += level * level;
         }
@@ -478,7 +472,6 @@ mod tests {
             hidden: None,
             sloped: true,
             levels: levels.map(|grey| grey << LIGHT_BITS),
-            start_gain: 0,
             step: None,
         };
         layer.follow(&LayerEquations::empty(), &Shortened { changes: [Change::default(); 4] }).is_some()
