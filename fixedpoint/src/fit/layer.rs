@@ -462,6 +462,25 @@ mod tests {
         assert_eq!(common(&inked, 1 << 8, &units), [1, 0, 0, 1]);
     }
 
+    /// `FIT-6` and `TRELLIS-3`: `o'²/256` and `g'²/256`, which meet no pixel.
+    #[test]
+    fn changes_of_light_weigh_a_256th_of_a_pixel() {
+        let added = |damped: bool| {
+            let mut sums = Sums::default();
+            sums.add_prior([3 << LIGHT_BITS, -5 << LIGHT_BITS], damped);
+            sums
+        };
+        let (one, sums) = (1_i64 << (2 * OWN_BITS), added(false));
+        assert_eq!([0, 1, 2, 3].map(|i| 256 * sums.entry(i, i)), [0, 0, one, one]);
+        assert_eq!([0, 1, 2, 3].map(|i| 256 * added(true).entry(i, i)), [0, one, one, one]);
+        // Right sides have 18 fraction bits, squares 16.
+        assert_eq!([0, 1, 2, 3, 4].map(|i| 256 * sums.entry(i, 8)), [0, 0, -3 << 18, 5 << 18, 0]);
+        assert_eq!(sums.right, added(true).right);
+        assert_eq!((256 * sums.prior, sums.squares), ((9 + 25) << 16, 0));
+        let both = Sums { squares: 7, ..sums };
+        assert_eq!(both.entry(8, 8), 7 + sums.prior);
+    }
+
     /// Whether a layer of this light may stay as it is.
     fn stays(levels: [i32; 4]) -> bool {
         let mut layer = LayerModel {

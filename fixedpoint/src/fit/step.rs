@@ -275,6 +275,17 @@ mod tests {
         assert_eq!(taken([px(0), px(0), px(0), px(-1 << 40)]).spread(), Column::from_num(-1024));
     }
 
+    /// `FIT-11`: a step that lowers pixels and prior together by at most `s²/225`, of 2250 by the pixels alone by 10.
+    #[test]
+    fn a_step_is_the_last_that_lowers_little() {
+        let last = |kept: i64, degrees_of_freedom: u16| {
+            let step = super::Step { kept, ..step([Change::default(); 4]) };
+            step.is_last(2250 << 16, 6 << 16, degrees_of_freedom)
+        };
+        assert!(last(2256 - 10, 1) && !last(2256 - 11, 1));
+        assert!(last(2256 - 5, 2) && !last(2256 - 6, 2));
+    }
+
     /// `FIT-11`: `s²` is at least 1/4, here of 40 degrees of freedom and with 16 fraction bits.
     #[test]
     fn rounding_leaves_a_quarter() {
