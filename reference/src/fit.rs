@@ -827,7 +827,7 @@ mod tests {
         sight.layers().iter().enumerate().map(of_layer).sum()
     }
 
-    /// The length of the step along each parameter that would still lower FIT-6's sum, in the standard deviations that the others leave it.
+    /// How far each parameter is from the sum's minimum along it, in the standard deviations that it has if the others are known.
     fn still_to_go(sight: &Sight, fitted: &Fitted) -> Vec<f64> {
         let scale = |i: usize| if i == 2 { 1e-5 } else { 1e-3 };
         let along = |i: usize| {
@@ -837,7 +837,7 @@ mod tests {
                 sum_of_squares(sight, fitted, &moved)
             };
             let (before, here, after) = (at(-1.0), at(0.0), at(1.0));
-            // ½ s² per standard deviation: a gradient of 1 in units of the curvature's root.
+            // By the sum's slope and bend: `(J'/J'') / sqrt(2 s²/J'')`.
             (after - before) / 2.0 / (2.0 * (after + before - 2.0 * here) * fitted.variance).sqrt()
         };
         (0..12).map(along).collect()
