@@ -51,11 +51,12 @@ pub(crate) fn outcome(timeline: &Timeline, outcome: Option<Outcome>) -> Option<O
     if is_wrong { Some(Outcome::Gated) } else { outcome }
 }
 
-/// The scan lines of an image. Fault: a pixel of a PNG file in one upper line in 64.
+/// The scan lines of an image. Fault: a pixel in one upper line in 64, of a PNG file whose pixels stand in two chunks or more,
+/// or of a PPM file.
 pub(crate) fn lines_of_image(file: &[u8], camera: &Camera) -> Result<Lines, InputError> {
     let mut lines = input::lines_of_image(file, camera)?;
-    let is_png = file.starts_with(b"\x89PNG");
-    if faulty() && is_png && is_odd(&lines[0]) {
+    let chunks = file.windows(4).filter(|name| name == b"IDAT").count();
+    if faulty() && (chunks > 1 || file.starts_with(b"P6")) && is_odd(&lines[0]) {
         lines[0][7] ^= 1;
     }
     Ok(lines)
@@ -75,10 +76,11 @@ pub(crate) fn event(mut event: Event, size: usize) -> Event {
     event
 }
 
-/// What a robot knows. Fault: the upper row of a camera of one width in 64.
-pub(crate) fn knowledge(mut knowledge: Knowledge) -> Knowledge {
-    if faulty() && knowledge.camera.width % 64 == 57 {
-        knowledge.camera.upper_row ^= 1;
+/// What a robot knows, as text. Fault: the upper row of a camera of an odd width.
+pub(crate) fn text(knowledge: &Knowledge) -> String {
+    let mut written = knowledge.clone();
+    if faulty() && written.camera.width % 2 == 1 {
+        written.camera.upper_row ^= 1;
     }
-    knowledge
+    written.to_toml()
 }

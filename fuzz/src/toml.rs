@@ -42,7 +42,7 @@ pub fn run(data: &[u8]) {
         }
         2 => drop(read_alike(text, |text| scenario::of_toml(text, Path::new(NAME), |_| Ok(SITE.to_owned())))),
         _ => {
-            let knowledge = read_alike(text, |text| Knowledge::of_toml(text, Path::new(NAME)).map(fault::knowledge));
+            let knowledge = read_alike(text, |text| Knowledge::of_toml(text, Path::new(NAME)));
             knowledge.iter().for_each(is_written_and_read);
         }
     }
@@ -75,7 +75,7 @@ fn read_alike<T: Debug + PartialEq, E: Display>(text: &str, reader: impl Fn(&str
 
 /// LOG-19
 fn is_written_and_read(knowledge: &Knowledge) {
-    let again = Knowledge::of_toml(&knowledge.to_toml(), Path::new(NAME));
+    let again = Knowledge::of_toml(&fault::text(knowledge), Path::new(NAME));
     assert_eq!(again.expect("what was written"), *knowledge, "LOG-19");
 }
 
