@@ -130,12 +130,16 @@ impl Setting {
         })
     }
 
-    /// Whether two fits came to the same minimum: whether homography, blur and variance are within the first one's bounds.
+    /// Whether two detections' fits came to the same minimum: whether homography, blur and variance are within the first one's
+    /// bounds, and the light's steps the same; or neither has a fit.
     fn is_same_fit(&self, one: &DetectionTrace, other: &DetectionTrace) -> bool {
-        let (Some(fit), Some(found), Some(bounds)) = (&one.fit, &other.fit, self.fit_bounds(one)) else { return false };
+        let (Some(fit), Some(found), Some(bounds)) = (&one.fit, &other.fit, self.fit_bounds(one)) else {
+            return one.fit.is_none() && other.fit.is_none();
+        };
         let (h, g) = (&one.homography, &other.homography);
         let near = |one: f64, other: f64, bound: f64| (one - other).abs() <= bound;
-        near(h.a, g.a, bounds.homography.a)
+        steps(fit) == steps(found)
+            && near(h.a, g.a, bounds.homography.a)
             && near(h.s, g.s, bounds.homography.s)
             && near(h.k, g.k, bounds.homography.k)
             && near(fit.blur, found.blur, bounds.blur)
@@ -324,6 +328,11 @@ impl Comparison<'_> {
 
     fn detection(&mut self, reference: &Trace, r: &DetectionTrace, p: &DetectionTrace) {
         self.exact(Stage::Merge, (r.payload, r.half_words) == (p.payload, p.half_words));
+        if self.is_another_minimum(reference, r, p) {
+            self.tally.marginal(Stage::FitPixels);
+            (self.marginal, self.differs) = (true, true);
+            return;
+        }
         self.exact(Stage::Accept, r.estimator() == p.estimator());
         if r.estimator() != p.estimator() {
             return;
@@ -340,11 +349,6 @@ impl Comparison<'_> {
                 self.differs |= tie;
                 return self.exact(Stage::FitPixels, tie);
             }
-            if self.is_another_minimum(reference, r, p) {
-                self.tally.marginal(Stage::FitPixels);
-                (self.marginal, self.differs) = (true, true);
-                return;
-            }
             self.fit((&r.homography, fit), (&p.homography, other), &bounds);
         }
         let (Some(pose), Some(covariance)) = (self.setting.pose_bounds(r), self.setting.pose_covariance_bound(r))
@@ -357,8 +361,8 @@ impl Comparison<'_> {
         self.bounded(Stage::PoseCovariance, relative(&r.covariance, &p.covariance), covariance);
     }
 
-    /// Whether the port's fit came to another minimum than the reference's, one that the reference's own comes to from a start
-    /// nearby (SAME-2).
+    /// Whether the port's fit came to another minimum than the reference's, or to one at all, that the reference's own comes to
+    /// from a start nearby (SAME-2).
     fn is_another_minimum(&self, reference: &Trace, r: &DetectionTrace, p: &DetectionTrace) -> bool {
         let setting = self.setting;
         let ends_there = |found: Option<&Detection>| {
