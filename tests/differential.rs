@@ -212,7 +212,7 @@ fn views_by_any_camera() -> impl Strategy<Value = (Camera, Vec<Landmark>, Scene,
 //= reference/SPEC.md#same
 //= type=test
 //# - **SAME-2** Homographies, fits, covariances and poses MUST differ by no more than the bound that the error budget
-//# derives, unless a fit comes to another minimum to which the reference's own comes when it begins as in SAME-5.
+//# derives.
 #[test]
 fn any_camera_and_stripe_width_give_the_same() {
     let tally = RefCell::new(Tally::default());

@@ -64,16 +64,6 @@ const REGRESSIONS: &[(&str, &str, &str)] = &[
         "step_of_light_beside_the_end",
         "FIT-6: damped steps left a light that few pixels tell far from its minimum, and the half width with it",
     ),
-    (
-        "scene",
-        "two_minima_where_white_is_too_bright",
-        "SAME-2: without a white pixel a fit has two minima, of a sharp image and of a blurred one",
-    ),
-    (
-        "scene",
-        "a_minimum_that_is_missed",
-        "SAME-2: beside the line's end a fit under even light finds its minimum from starts nearby only",
-    ),
     ("toml", "mark_alone", "the target put a remark before a byte order mark"),
     ("toml", "mark_of_a_site", "SITE-9: a site file lost its byte order mark when a landmark was written into it"),
     ("toml", "control_character_in_key", "a camera file's key came with its control characters to the terminal"),

@@ -31,8 +31,7 @@ pub enum Class {
     /// Differ by no more than the bound (SAME-2).
     //= reference/SPEC.md#same
     //# - **SAME-2** Homographies, fits, covariances and poses MUST differ by no more than the bound that the error
-    //# budget derives, unless a fit comes to another minimum to which the reference's own comes when it begins as in
-    //# SAME-5.
+    //# budget derives.
     Bounded,
     /// Decisions: identical unless the reference's own margin is below the bound (SAME-3).
     //= reference/SPEC.md#same
@@ -135,7 +134,7 @@ pub const TABLE: [Row; 25] = [
     row(Stage::Merge, "merge", Class::Exact, "", "follows from decode"),
     row(Stage::Extents, "extents", Class::Exact, "", "integers in both pipelines; follows from the detections before"),
     row(Stage::Accept, "acceptance", Class::Marginal, "", "bounds of what is tested, beside its limit (SAME-5)"),
-    row(Stage::FitPixels, "fit.pixels", Class::Marginal, "", "integers; a step may tie (FIT-15), two minima (SAME-2)"),
+    row(Stage::FitPixels, "fit.pixels", Class::Marginal, "", "integers; a step of light may tie (FIT-15)"),
     row(Stage::FitCentre, "fit.centre", Class::Bounded, "px", FIT),
     row(Stage::FitHalfWidth, "fit.half_width", Class::Bounded, "px", FIT),
     row(Stage::FitObliquity, "fit.obliquity", Class::Bounded, "1", FIT),

@@ -21,7 +21,7 @@ use reference::frame::wrap;
 use reference::homography::Homography;
 use reference::hypotheses::Hypothesis;
 use reference::landmark::{Format, Landmark};
-use reference::merge::{Decoder, Detection, conclude_settled, merge};
+use reference::merge::{Decoder, conclude_settled, merge};
 use reference::observer::{Layer, Silent};
 use reference::refusal::CandidateRefusal;
 use reference::skew::Skew;
@@ -128,22 +128,6 @@ impl Setting {
             });
             fit.is_some_and(|fit| bounds::is_tied(fit, start))
         })
-    }
-
-    /// Whether two detections' fits came to the same minimum: whether homography, blur and variance are within the first one's
-    /// bounds, and the light's steps the same; or neither has a fit.
-    fn is_same_fit(&self, one: &DetectionTrace, other: &DetectionTrace) -> bool {
-        let (Some(fit), Some(found), Some(bounds)) = (&one.fit, &other.fit, self.fit_bounds(one)) else {
-            return one.fit.is_none() && other.fit.is_none();
-        };
-        let (h, g) = (&one.homography, &other.homography);
-        let near = |one: f64, other: f64, bound: f64| (one - other).abs() <= bound;
-        steps(fit) == steps(found)
-            && near(h.a, g.a, bounds.homography.a)
-            && near(h.s, g.s, bounds.homography.s)
-            && near(h.k, g.k, bounds.homography.k)
-            && near(fit.blur, found.blur, bounds.blur)
-            && near(fit.variance, found.variance, fit.variance * bounds.variance)
     }
 
     /// Bounds on a detection's pose.
@@ -308,7 +292,7 @@ impl Comparison<'_> {
             let hangs = || {
                 self.setting.is_tied(r)
                     || r.fits.iter().any(bounds::is_unfinished)
-                    || depends_on_start(self.setting, reference, r, &|found| found.map(what) == p.accepted())
+                    || depends_on_start(self.setting, reference, r, p.accepted())
             };
             if is_marginal(self.setting, r) || !same && hangs() {
                 self.tally.marginal(Stage::Accept);
@@ -328,11 +312,6 @@ impl Comparison<'_> {
 
     fn detection(&mut self, reference: &Trace, r: &DetectionTrace, p: &DetectionTrace) {
         self.exact(Stage::Merge, (r.payload, r.half_words) == (p.payload, p.half_words));
-        if self.is_another_minimum(reference, r, p) {
-            self.tally.marginal(Stage::FitPixels);
-            (self.marginal, self.differs) = (true, true);
-            return;
-        }
         self.exact(Stage::Accept, r.estimator() == p.estimator());
         if r.estimator() != p.estimator() {
             return;
@@ -359,23 +338,6 @@ impl Comparison<'_> {
         self.bounded(Stage::PoseY, r.pose.y - p.pose.y, pose.y);
         self.bounded(Stage::PoseTheta, wrap(r.pose.theta - p.pose.theta), pose.theta);
         self.bounded(Stage::PoseCovariance, relative(&r.covariance, &p.covariance), covariance);
-    }
-
-    /// Whether the port's fit came to another minimum than the reference's, or to one at all, that the reference's own comes to
-    /// from a start nearby (SAME-2).
-    fn is_another_minimum(&self, reference: &Trace, r: &DetectionTrace, p: &DetectionTrace) -> bool {
-        let setting = self.setting;
-        let ends_there = |found: Option<&Detection>| {
-            let found = found.map(record_reference::detection_trace);
-            found.is_some_and(|found| !setting.is_same_fit(r, &found) && setting.is_same_fit(&found, p))
-        };
-        let here = |trial: &&TrialTrace| (trial.format, trial.pixels) == (r.format, r.pixels);
-        !setting.is_same_fit(r, p)
-            && reference
-                .trials
-                .iter()
-                .filter(here)
-                .any(|trial| depends_on_start(setting, reference, trial, &ends_there))
     }
 
     fn fit(
@@ -422,20 +384,10 @@ pub fn relative(one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
     entries.map(|(i, j)| (one[(i, j)] - other[(i, j)]).abs() / scale(i, j)).fold(0.0, f64::max)
 }
 
-/// What a detection was read by and says.
-fn what(found: &Detection) -> (Decoder, u32) {
-    (found.decoder, found.payload)
-}
-
-/// Whether the reference itself comes to something with a pair when its first fit starts a little elsewhere (SAME-2, SAME-5): a
-/// fit that is far from its end after some steps, as those of what is no barcode mostly are, is led either way by less than it
+/// Whether the reference itself decides on a pair as the port did when its first fit starts a little elsewhere (SAME-5): a fit
+/// that is far from its end after some steps, as those of what is no barcode mostly are, is led either way by less than it
 /// knows.
-fn depends_on_start(
-    setting: &Setting,
-    trace: &Trace,
-    trial: &TrialTrace,
-    comes_to: &impl Fn(Option<&Detection>) -> bool,
-) -> bool {
+fn depends_on_start(setting: &Setting, trace: &Trace, trial: &TrialTrace, other: Option<(Decoder, u32)>) -> bool {
     let Some(landmark) = setting.landmark(trial.format) else { return false };
     let lines = [&trace.lines[0].values[..], &trace.lines[1].values[..]];
     let view = View { lines, camera: &setting.cameras.reference, landmark, rule: setting.rule, skew: Skew::at_rest() };
@@ -444,31 +396,26 @@ fn depends_on_start(
     let decides = |moves: [f64; 3]| match (trial.decoder, layers) {
         (Decoder::Trellis, _) => {
             let start = moved(&trellis::guard_start(&pair, view.camera), moves);
-            depends_on_guards(&pair, &start, &view, comes_to)
+            depends_on_guards(&pair, &start, &view, other)
         }
         (Decoder::Threshold, [Some(upper), Some(lower)]) => {
             let [upper, lower] =
                 [upper, lower].map(|layer| DecodedLayer { homography: moved(&layer.homography, moves), ..layer });
             let mut detections = Vec::new();
             merge(&[upper], &[lower], &view, &mut detections, &mut Silent);
-            comes_to(detections.first())
+            detections.first().map(|found| (found.decoder, found.payload)) == other
         }
-        (Decoder::Threshold, _) => false,
+        _ => trial.accepted() == other,
     };
     let ways = (0..27).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]);
     let mut moves = ways.map(|ways| ways.map(|way| f64::from(way) * bounds::START));
     moves.any(decides)
 }
 
-/// Whether the reference comes to something with a pair of extents when its guard fit from here is a little off (SAME-5): by a
+/// Whether the reference decides on a pair of extents as the port did when its guard fit from here is a little off (SAME-5): by a
 /// share of its standard deviations, as fits are.
-fn depends_on_guards(
-    pair: &Pair,
-    start: &Homography,
-    view: &View<'_>,
-    comes_to: &impl Fn(Option<&Detection>) -> bool,
-) -> bool {
-    let Ok(guards) = trellis::guard_fit(pair, start, view) else { return comes_to(None) };
+fn depends_on_guards(pair: &Pair, start: &Homography, view: &View<'_>, other: Option<(Decoder, u32)>) -> bool {
+    let Ok(guards) = trellis::guard_fit(pair, start, view) else { return other.is_none() };
     let deviation = |i: usize| guards.covariance[(i, i)].sqrt() * bounds::GUARDS;
     let Imaging { homography: h, blur } = guards.imaging;
     let ways = (0..81).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 % 3 - 1, i / 27 - 1].map(f64::from));
@@ -480,7 +427,7 @@ fn depends_on_guards(
         let mut detections = Vec::new();
         let settled = trellis::decode_after(pair, &imaging, &guards.lights, view, &mut Silent);
         conclude_settled(pair, settled, view, &mut detections, &mut Silent);
-        comes_to(detections.first())
+        detections.first().map(|found| (found.decoder, found.payload)) == other
     })
 }
 
