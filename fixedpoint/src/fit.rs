@@ -126,8 +126,8 @@ enum Plan {
 /// within ±2048 px.
 //= reference/SPEC.md#fit
 //# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum of
-//# the squared differences between the pixels of all layers and their model, and of `o'²/256` and `g'²/256` for each
-//# layer.
+//# the squared differences between the pixels of all layers and their model, and of `(o - o_0)²/256`, `o'²/256` and
+//# `g'²/256` for each layer, `o_0` being FIT-7's `o`.
 //= reference/SPEC.md#fit
 //# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations are
 //# not positive definite, or if a step leads to `|k| > 3/4`, to `s < N/4`, to columns that do not grow, `s <= a k`, or
@@ -148,7 +148,7 @@ pub fn fit(
 /// As [`fit`], except that it need not converge; `NotConverged` also where it is given up early.
 //= reference/SPEC.md#trellis
 //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the diagonal
-//# for each layer's `g`, and be refused as FIT-12 and FIT-13 otherwise say.
+//# for each layer's `g`, and be refused as FIT-12, with `n < p + 8`, and FIT-13 otherwise say.
 pub fn fit_guards(
     layers: &[FitLayer<'_>],
     start: &Start,
@@ -188,7 +188,7 @@ fn run(
     let mut equations: Vec<_, 2> = state.layers.iter().map(|_| LayerEquations::empty()).collect();
     for steps in 1..=limit {
         state.equations(&mut equations).ok_or(FitRefusal::NotConverged)?;
-        let step = Step::solve(&equations, state.blur).ok_or(FitRefusal::NotConverged)?;
+        let step = Step::solve(&equations, state.contrast, state.blur).ok_or(FitRefusal::NotConverged)?;
         let sum = |of: fn(&LayerEquations) -> i64| equations.iter().map(of).fold(0, i64::saturating_add);
         let (squares, prior) = (sum(|layer| layer.squares), sum(|layer| layer.prior));
         if plan == Plan::Guards && state.is_hopeless(steps, squares) {
@@ -245,6 +245,8 @@ struct State<'a> {
     homography: Homography,
     blur: Column,
     degrees_of_freedom: u16,
+    /// The sum of the layers' squared gains at the start, squared grey levels (`FIT-8`).
+    contrast: u32,
 }
 
 impl<'a> State<'a> {
@@ -275,9 +277,11 @@ impl<'a> State<'a> {
         let own = if plan == Plan::Guards { 2 } else { 4 };
         let parameters = 4 + models.iter().map(|_| own).sum::<u16>();
         let contrast = models.iter().all(LayerModel::has_contrast);
-        let degrees_of_freedom = pixels.checked_sub(parameters).filter(|&surplus| surplus >= 8 && contrast);
+        let least = if plan == Plan::Guards { 8 } else { 2 * parameters };
+        let degrees_of_freedom = pixels.checked_sub(parameters).filter(|&surplus| surplus >= least && contrast);
         Ok(Self {
             format,
+            contrast: models.iter().map(LayerModel::squared_contrast).sum(),
             layers: models,
             origin_pixel,
             origin,

@@ -61,6 +61,17 @@ const REGRESSIONS: &[(&str, &str, &str)] = &[
     ("png", "palette_ends_within_a_colour", "png 0.18.1 panics where a palette's length is no multiple of 3"),
     (
         "scene",
+        "a_blur_that_goes_to_and_fro",
+        "FIT-8: where few pixels tell the blur from the gain the reference's steps went to and fro until there were none left",
+    ),
+    (
+        "scene",
+        "two_minima_where_white_is_too_bright",
+        "FIT-6: white that no pixel measures left the blur and the gain two minima, and each pipeline came to one",
+    ),
+    ("scene", "white_that_no_pixel_measures", "FIT-6: as above, of another scene"),
+    (
+        "scene",
         "step_of_light_beside_the_end",
         "FIT-6: damped steps left a light that few pixels tell far from its minimum, and the half width with it",
     ),

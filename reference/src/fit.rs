@@ -29,8 +29,11 @@ const CONVERGED: f64 = 1.0 / 225.0;
 /// The least variance of a pixel, squared grey levels: half a grey level is lost to rounding (FIT-11).
 pub const ROUNDING_VARIANCE: f64 = 1.0 / 4.0;
 
-/// What a squared grey level weighs by which a light changes, pixels (FIT-6).
+/// What a squared grey level weighs by which a light changes, or white differs from its start, pixels (FIT-6).
 const PRIOR: f64 = 1.0 / 256.0;
+
+/// What is added to the diagonal for the blur, by the square of a layer's contrast (FIT-8).
+const BLUR_DAMPING: f64 = 1.0 / 64.0;
 
 /// A layer as it was decoded.
 #[derive(Clone, Copy, Debug)]
@@ -224,6 +227,14 @@ impl Plan {
         }
     }
 
+    /// The fewest pixels by which `p` parameters may be fitted (FIT-12, TRELLIS-3).
+    fn least_pixels(self, parameters: usize) -> usize {
+        match self {
+            Self::Converge => 3 * parameters,
+            Self::Guards { .. } => parameters + 8,
+        }
+    }
+
     /// What is added to the diagonal for a gain, pixels (TRELLIS-3).
     fn damping(self) -> f64 {
         match self {
@@ -276,6 +287,8 @@ struct Problem<'a> {
     layers: &'a [FitLayer<'a>],
     windows: &'a [Window],
     plan: Plan,
+    /// The light that each layer started with (FIT-7).
+    starts: Vec<LayerLight>,
 }
 
 /// The normal equations at one point, a layer's own parameters eliminated (FIT-8).
@@ -286,6 +299,8 @@ struct Reduced {
     back: Vec<(Matrix4<f64>, Vector4<f64>)>,
     /// SSE, that of the pixels alone.
     squares: f64,
+    /// What is added to the diagonal for the blur (FIT-8).
+    damping: f64,
     /// By how much the layers' own parameters alone lower FIT-6's sum.
     own_decrease: f64,
     pixels: usize,
@@ -306,20 +321,20 @@ impl Problem<'_> {
             right: Vector4::zeros(),
             back: Vec::new(),
             squares: 0.0,
+            damping: self.starts.iter().map(|start| BLUR_DAMPING * start.gain * start.gain).sum(),
             own_decrease: 0.0,
             pixels: 0,
         };
-        for ((layer, window), light) in self.layers.iter().zip(self.windows).zip(lights) {
-            self.add(layer, window, light, imaging, &mut sum)?;
+        for (((layer, window), light), start) in self.layers.iter().zip(self.windows).zip(lights).zip(&self.starts) {
+            self.add((layer, window), (light, start), imaging, &mut sum)?;
         }
         Some(sum)
     }
 
     fn add(
         &self,
-        layer: &FitLayer<'_>,
-        window: &Window,
-        light: &LayerLight,
+        (layer, window): (&FitLayer<'_>, &Window),
+        (light, start): (&LayerLight, &LayerLight),
         imaging: &Imaging,
         sum: &mut Reduced,
     ) -> Option<()> {
@@ -345,12 +360,13 @@ impl Problem<'_> {
         }
         //= reference/SPEC.md#fit
         //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of FIT-6's normal equations from which each
-        //# layer's own parameters have been eliminated.
-        let prior = Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, PRIOR, PRIOR));
+        //# layer's own parameters have been eliminated, with a 64th of the square of FIT-7's `g` of each layer added to
+        //# the diagonal for σ.
+        let prior = Matrix4::from_diagonal(&Vector4::new(PRIOR, 0.0, PRIOR, PRIOR));
         let damping = Matrix4::from_diagonal(&Vector4::new(0.0, self.plan.damping(), 0.0, 0.0));
         let own = (normal.fixed_view::<4, 4>(4, 4) + prior + damping).cholesky()?;
         let coupling: Matrix4<f64> = normal.fixed_view::<4, 4>(4, 0).into_owned();
-        let own_right: Vector4<f64> = right.fixed_rows::<4>(4) - prior * light.own();
+        let own_right: Vector4<f64> = right.fixed_rows::<4>(4) - prior * (light.own() - start.own());
         let (by_common, alone) = (own.solve(&coupling), own.solve(&own_right));
         sum.matrix += normal.fixed_view::<4, 4>(0, 0) - coupling.transpose() * by_common;
         sum.right += right.fixed_rows::<4>(0) - coupling.transpose() * alone;
@@ -371,11 +387,15 @@ impl Problem<'_> {
 
     /// `n - p` if there are enough pixels (FIT-11, FIT-12).
     //= reference/SPEC.md#fit
-    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that
-    //# are not left out all lie within less than 12 grey levels.
+    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < 3 p`, or if the values of a layer's pixels that are
+    //# not left out all lie within less than 12 grey levels.
     fn degrees_of_freedom(&self, pixels: usize) -> Result<usize, FitRefusal> {
         let parameters = 4 + self.plan.own_parameters() * self.layers.len();
-        if pixels < parameters + 8 { Err(FitRefusal::TooFewPixels) } else { Ok(pixels - parameters) }
+        if pixels < self.plan.least_pixels(parameters) {
+            Err(FitRefusal::TooFewPixels)
+        } else {
+            Ok(pixels - parameters)
+        }
     }
 }
 
@@ -387,13 +407,14 @@ impl Problem<'_> {
 //# - **FIT-10** A step that would take σ out of 0.2 to 1.2 px MUST, before FIT-9, be the one that takes it to that
 //# limit and solves the equations for `a`, `s` and `k` there.
 fn step(reduced: &Reduced, blur: f64) -> Option<Step> {
-    let mut common = reduced.matrix.cholesky()?.solve(&reduced.right);
-    let within = (blur + common[3]).clamp(*BLURS.start(), *BLURS.end()) - blur;
-    if (within - common[3]).abs() > 0.0 {
-        let block: Matrix3<f64> = reduced.matrix.fixed_view::<3, 3>(0, 0).into_owned();
-        let right = reduced.right.fixed_rows::<3>(0) - reduced.matrix.fixed_view::<3, 1>(0, 3) * within;
-        common = block.cholesky()?.solve(&right).push(within);
-    }
+    let root = reduced.matrix.cholesky()?;
+    // What the equations know of the blur when all others are free.
+    let weight = 1.0 / root.inverse()[(3, 3)];
+    let damped = root.solve(&reduced.right)[3] * weight / (weight + reduced.damping);
+    let change = (blur + damped).clamp(*BLURS.start(), *BLURS.end()) - blur;
+    let block: Matrix3<f64> = reduced.matrix.fixed_view::<3, 3>(0, 0).into_owned();
+    let right = reduced.right.fixed_rows::<3>(0) - reduced.matrix.fixed_view::<3, 1>(0, 3) * change;
+    let common = block.cholesky()?.solve(&right).push(change);
     let decrease = common.dot(&(2.0 * reduced.right - reduced.matrix * common));
     let limits = [1.0, 1.0, 0.1, 0.2];
     let shortened =
@@ -425,8 +446,8 @@ fn first_light(layer: &FitLayer<'_>, window: &Window) -> LayerLight {
 /// The fit of one or both layers of a landmark from `start` (FIT-1 to FIT-15).
 //= reference/SPEC.md#fit
 //# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum of
-//# the squared differences between the pixels of all layers and their model, and of `o'²/256` and `g'²/256` for each
-//# layer.
+//# the squared differences between the pixels of all layers and their model, and of `(o - o_0)²/256`, `o'²/256` and
+//# `g'²/256` for each layer, `o_0` being FIT-7's `o`.
 //= reference/SPEC.md#fit
 //# - **FIT-14** The covariance of `(a, s, k)` MUST be `s²` times that block of the inverse of the reduced normal
 //# equations' matrix, at the last step.
@@ -463,7 +484,7 @@ pub fn fit_windows(
         LayerLight { step: Some(step), ..light }
     };
     let mut lights: Vec<LayerLight> = layers.iter().zip(windows).map(light).collect();
-    let problem = Problem { camera, format, layers, windows, plan };
+    let problem = Problem { camera, format, layers, windows, plan, starts: lights.clone() };
     if !problem.has_contrast(&lights) {
         return Err(FitRefusal::TooFewPixels);
     }
@@ -786,7 +807,9 @@ mod tests {
         let taken = |right: [f64; 4]| {
             let (back, right) = (Vec::new(), Vector4::from(right));
             let matrix = Matrix4::identity();
-            step(&Reduced { matrix, right, back, squares: 0.0, own_decrease: 0.0, pixels: 0 }, 0.6).unwrap().common
+            step(&Reduced { matrix, right, back, squares: 0.0, damping: 0.0, own_decrease: 0.0, pixels: 0 }, 0.6)
+                .unwrap()
+                .common
         };
         let near = |right: [f64; 4], expected: [f64; 4]| (taken(right) - Vector4::from(expected)).amax() < 1e-12;
         assert!(near([0.9, -0.9, 0.09, 0.19], [0.9, -0.9, 0.09, 0.19]));
@@ -794,6 +817,31 @@ mod tests {
         assert!(near([1.0, -2.0, 0.0, 0.0], [0.5, -1.0, 0.0, 0.0]));
         assert!(near([1.0, 0.0, -0.4, 0.0], [0.25, 0.0, -0.1, 0.0]));
         assert!(near([1.0, 0.0, 0.0, -0.4], [0.5, 0.0, 0.0, -0.2]));
+    }
+
+    /// FIT-8: of equations in which `a` and the blur share half of what they know, 3/4 is left for the blur alone; as much is
+    /// added, which halves its step, and `a` is what solves its own equation there.
+    #[test]
+    fn steps_of_the_blur_are_damped() {
+        let mut matrix = Matrix4::identity();
+        (matrix[(0, 3)], matrix[(3, 0)]) = (0.5, 0.5);
+        let right = Vector4::new(0.1, 0.0, 0.0, 0.11);
+        let reduced = |damping: f64| Reduced {
+            matrix,
+            right,
+            back: Vec::new(),
+            squares: 0.0,
+            damping,
+            own_decrease: 0.0,
+            pixels: 0,
+        };
+        let free = step(&reduced(0.0), 0.6).unwrap();
+        let damped = step(&reduced(0.75), 0.6).unwrap();
+        // (0.11 - 0.1/2)/(3/4) is 0.08.
+        assert!((free.common - Vector4::new(0.06, 0.0, 0.0, 0.08)).amax() < 1e-12, "{}", free.common);
+        assert!((damped.common - Vector4::new(0.08, 0.0, 0.0, 0.04)).amax() < 1e-12, "{}", damped.common);
+        // Half of the way leaves a quarter of the blur's 3/4 0.08².
+        assert!((free.decrease - damped.decrease - 0.75 * 0.04 * 0.04).abs() < 1e-12);
     }
 
     //= reference/SPEC.md#fit
@@ -822,7 +870,9 @@ mod tests {
                 if window.counts(pixel, value, &light) { difference.powi(2) } else { 0.0 }
             };
             let pixels: f64 = (window.first..).zip(&inks).map(square).sum();
-            pixels + (light.offset_slope.powi(2) + light.gain_slope.powi(2)) / 256.0
+            let start = first_light(layer, &window);
+            let prior = (light.offset - start.offset).powi(2) + light.offset_slope.powi(2) + light.gain_slope.powi(2);
+            pixels + prior / 256.0
         };
         sight.layers().iter().enumerate().map(of_layer).sum()
     }
@@ -846,12 +896,13 @@ mod tests {
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum
-    //# of the squared differences between the pixels of all layers and their model, and of `o'²/256` and `g'²/256` for
-    //# each layer.
+    //# of the squared differences between the pixels of all layers and their model, and of `(o - o_0)²/256`, `o'²/256`
+    //# and `g'²/256` for each layer, `o_0` being FIT-7's `o`.
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of FIT-6's normal equations from which each layer's
-    //# own parameters have been eliminated.
+    //# own parameters have been eliminated, with a 64th of the square of FIT-7's `g` of each layer added to the
+    //# diagonal for σ.
     #[test]
     fn nothing_lowers_the_sum_any_more() {
         let right_end = sight((0.3, 0.0, PI), Light::default(), CLEAR).truth.column(1.0) + 239.5;
@@ -940,8 +991,8 @@ mod tests {
     //# - **FIT-5** Pixels of the value 0 or 255 MUST be left out, since RENDER-5 limits them.
     //= reference/SPEC.md#fit
     //= type=test
-    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that
-    //# are not left out all lie within less than 12 grey levels.
+    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < 3 p`, or if the values of a layer's pixels that are
+    //# not left out all lie within less than 12 grey levels.
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations

@@ -144,7 +144,7 @@ impl<'a> Trial<'a> {
     /// TRELLIS-1 to TRELLIS-3
     //= reference/SPEC.md#trellis
     //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the
-    //# diagonal for each layer's `g`, and be refused as FIT-12 and FIT-13 otherwise say.
+    //# diagonal for each layer's `g`, and be refused as FIT-12, with `n < p + 8`, and FIT-13 otherwise say.
     fn guard_fit(&self, start: &Homography) -> Result<Fitted, CandidateRefusal> {
         let gap = self.code_pixels();
         let windows = self.pair.map(|extent| Window { gap: gap.clone(), ..self.window(&extent) });
@@ -338,7 +338,7 @@ mod tests {
     //= reference/SPEC.md#trellis
     //= type=test
     //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the
-    //# diagonal for each layer's `g`, and be refused as FIT-12 and FIT-13 otherwise say.
+    //# diagonal for each layer's `g`, and be refused as FIT-12, with `n < p + 8`, and FIT-13 otherwise say.
     #[test]
     fn the_guard_fit_takes_five_steps_without_a_slope() {
         let (distance, pair) = SMALL;

@@ -15,7 +15,8 @@ use reference::homography::Homography;
 pub struct Sensitivity {
     /// The largest eigenvalue of `A⁻¹ S`, at least 0: the minimum moves by up to `1/(1 - it)` of what `A` says.
     pub softening: f64,
-    /// The largest of their absolute values: what a step leaves of the way to the minimum.
+    /// The largest absolute eigenvalue of `(A + W)⁻¹ (S + W)`, with `W` what FIT-8 adds: what a step leaves of the way to the
+    /// minimum.
     pub rate: f64,
     /// The largest standard deviation of a light's parameter, in those of a pixel.
     pub light: f64,
@@ -27,8 +28,14 @@ pub struct Sensitivity {
 /// Parameters that the layers have in common, and those of each layer.
 const COMMON: usize = 4;
 
-/// What a squared grey level weighs by which a light changes, pixels (FIT-6).
+/// What a squared grey level weighs by which a light changes, or white differs from its start, pixels (FIT-6).
 const PRIOR: f64 = 1.0 / 256.0;
+
+/// What is added to the diagonal for the blur, by the square of a layer's contrast (FIT-8).
+const BLUR_DAMPING: f64 = 1.0 / 64.0;
+
+/// The blur's place among the common parameters.
+const BLUR: usize = 3;
 
 /// By how much parameters are moved to see how derivatives change: pixels; `k` in as many of the half width.
 const MOVE: f64 = 1e-4;
@@ -41,16 +48,44 @@ pub fn sensitivity(trial: &TrialTrace, lines: [&[u8]; 2], camera: &Camera) -> Op
     let colours = codeword::layers(trial.format, payload).ok()?;
     let columns = if is_limited_blur(fit.blur) { COMMON - 1 } else { COMMON };
     let (normal, curvature) = matrices(trial, fit, &colours, lines, camera, columns);
-    let root = Cholesky::new(normal)?;
-    let eigenvalues = relative(&root, &curvature)?.symmetric_eigenvalues();
+    let root = Cholesky::new(normal.clone())?;
+    let softening = relative(&root, &curvature)?.symmetric_eigenvalues().max().max(0.0);
     let light = root.inverse().diagonal().rows_range(columns..).max().sqrt();
-    let slope = |j: usize| match j.checked_sub(columns) {
-        Some(own) if own % 4 >= 2 => fit.lights[own / 4].levels[own % 4],
-        _ => 0.0,
-    };
-    let prior = DVector::from_fn(root.l_dirty().nrows(), |j, _| PRIOR * slope(j));
+    let extremes = [0, 1].map(|layer| extremes(trial, layer, lines[layer]));
+    let prior = DVector::from_fn(normal.nrows(), |j, _| match j.checked_sub(columns) {
+        Some(own) => PRIOR * away(fit, extremes, own / 4)[own % 4],
+        None => 0.0,
+    });
     let pull = root.l().solve_lower_triangular(&prior)?.norm();
-    Some(Sensitivity { softening: eigenvalues.max().max(0.0), rate: eigenvalues.amax(), light, pull })
+    let (mut damped, mut left) = (normal, curvature);
+    if columns > BLUR {
+        let damping = BLUR_DAMPING * extremes.iter().map(|(darkest, white)| (white - darkest).powi(2)).sum::<f64>();
+        damped[(BLUR, BLUR)] += damping;
+        left[(BLUR, BLUR)] += damping;
+    }
+    let rate = relative(&Cholesky::new(damped)?, &left)?.symmetric_eigenvalues().amax();
+    Some(Sensitivity { softening, rate, light, pull })
+}
+
+/// The smallest and the largest value of a layer's window (FIT-7).
+fn extremes(trial: &TrialTrace, layer: usize, line: &[u8]) -> (f64, f64) {
+    let window = window(trial, layer, line);
+    let values = &line[window.first..=window.last];
+    let darkest = values.iter().copied().min().unwrap_or_default();
+    let brightest = values.iter().copied().max().unwrap_or_default();
+    (f64::from(darkest), f64::from(brightest))
+}
+
+/// How far a layer's `o`, `g`, `o'` and `g'` are from what FIT-6 draws them to, grey levels; `g` is not drawn.
+fn away(fit: &FitTrace, extremes: [(f64, f64); 2], layer: usize) -> [f64; 4] {
+    let [offset, _, offset_slope, gain_slope] = fit.lights[layer].levels;
+    [offset - extremes[layer].1, 0.0, offset_slope, gain_slope]
+}
+
+/// The window of a layer (FIT-1).
+fn window(trial: &TrialTrace, layer: usize, line: &[u8]) -> Window {
+    let (first, last) = trial.pixels[layer];
+    Window::of(first, last, trial.format, line.len())
 }
 
 /// `A` and `S` in the first `columns` of the common parameters and those of each layer.
@@ -70,7 +105,9 @@ fn matrices(
             pixel.add(&mut normal, &mut curvature, columns, own);
         }
         // FIT-6
-        (own + 2..own + 4).for_each(|j| normal[(j, j)] += PRIOR);
+        for j in [own, own + 2, own + 3] {
+            normal[(j, j)] += PRIOR;
+        }
     }
     (normal, curvature)
 }
@@ -130,8 +167,7 @@ fn pixels(
     line: &[u8],
     camera: &Camera,
 ) -> Vec<Pixel> {
-    let (first, last) = trial.pixels[layer];
-    let window = Window::of(first, last, trial.format, line.len());
+    let window = window(trial, layer, line);
     let imaging = imaging(fit);
     let inks = |imaging: &Imaging| inks(imaging, camera, trial.format, stripes, (window.first, window.last));
     let here = inks(&imaging);
@@ -212,7 +248,7 @@ mod tests {
         let (normal, curvature) = matrices(trial, fit, &colours, lines, &camera, COMMON);
         let mut expected = normal - &curvature;
         // The pixels' own, without what FIT-6 adds to them.
-        for j in [6, 7, 10, 11] {
+        for j in [4, 6, 7, 8, 10, 11] {
             expected[(j, j)] -= PRIOR;
         }
         let sizes = [1e-3, 1e-3, 3e-5, 1e-3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];

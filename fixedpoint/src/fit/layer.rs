@@ -21,7 +21,7 @@ const FINER_BITS: i32 = 4;
 /// Fraction bits of the derivatives by a layer's own parameters there.
 const FINE_BITS: i32 = OWN_BITS + FINER_BITS;
 
-/// What a squared grey level weighs by which a light changes (`FIT-6`), and by which a guard fit's step changes a gain
+/// What a squared grey level weighs by which a light changes, or white differs from its start (`FIT-6`), and by which a guard fit's step changes a gain
 /// (`TRELLIS-3`): 2^-8.
 const PRIOR_BITS: i32 = 8;
 const PRIOR: i32 = 1 << (2 * OWN_BITS - PRIOR_BITS);
@@ -46,6 +46,9 @@ pub(super) struct LayerModel<'a> {
     sloped: bool,
     /// `o`, `g`, `o'` and `g'` in 2^-12 grey levels.
     levels: [i32; 4],
+    /// The grey values that `o` and `o + g` started with (`FIT-7`).
+    brightest: u8,
+    darkest: u8,
     /// The pixel of a step of light.
     step: Option<u16>,
 }
@@ -81,6 +84,8 @@ impl<'a> LayerModel<'a> {
             hidden: None,
             sloped: plan != Plan::Guards,
             levels: [i32::from(brightest) << LIGHT_BITS, gain << LIGHT_BITS, 0, 0],
+            brightest,
+            darkest,
             step: None,
         };
         match plan {
@@ -111,10 +116,16 @@ impl<'a> LayerModel<'a> {
         self.values().map(|(_, value)| u16::from(value.is_some())).sum()
     }
 
+    /// The square of the gain at the start (`FIT-7`), squared grey levels.
+    pub(super) fn squared_contrast(&self) -> u32 {
+        let contrast = u32::from(self.brightest.saturating_sub(self.darkest));
+        contrast * contrast
+    }
+
     /// Whether their values differ by 12 grey levels or more (`FIT-12`).
     //= reference/SPEC.md#fit
-    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that
-    //# are not left out all lie within less than 12 grey levels.
+    //# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < 3 p`, or if the values of a layer's pixels that are
+    //# not left out all lie within less than 12 grey levels.
     pub(super) fn has_contrast(&self) -> bool {
         let values = || self.values().filter_map(|(_, value)| value);
         let (darkest, brightest) = (values().min().unwrap_or(0), values().max().unwrap_or(0));
@@ -124,7 +135,8 @@ impl<'a> LayerModel<'a> {
     /// The layer's normal equations, its own parameters eliminated (`FIT-8`); `None` if they are not positive definite.
     //= reference/SPEC.md#fit
     //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of FIT-6's normal equations from which each layer's
-    //# own parameters have been eliminated.
+    //# own parameters have been eliminated, with a 64th of the square of FIT-7's `g` of each layer added to the
+    //# diagonal for σ.
     #[inline(never)] // its stack is not the others'
     pub(super) fn equations(
         &self,
@@ -144,8 +156,9 @@ impl<'a> LayerModel<'a> {
                 sums.add(value, self.lambda(pixel, places), &self.levels, &inked, &units);
             }
         }
-        let [_, _, offset_slope, gain_slope] = self.levels;
-        sums.add_prior([offset_slope, gain_slope], !self.sloped);
+        let [offset, _, offset_slope, gain_slope] = self.levels;
+        let brighter = offset - (i32::from(self.brightest) << LIGHT_BITS);
+        sums.add_prior([brighter, offset_slope, gain_slope], !self.sloped);
         let equations = &mut into.equations;
         equations.scale(|i, j| sums.entry(i, j));
         for own in 0..4 {
@@ -304,18 +317,19 @@ impl Sums {
 }
 
 impl Sums {
-    /// Adds what `FIT-6` asks for beside the pixels, by `o'` and `g'` in 2^-12 grey levels, and a guard fit's damping: exactly,
-    /// but for half a unit of the squares.
-    fn add_prior(&mut self, slopes: [i32; 2], damped: bool) {
-        let [_, _, _, _, gain, _, _, offset_slope, _, gain_slope] = &mut self.own;
-        *offset_slope += PRIOR;
-        *gain_slope += PRIOR;
+    /// Adds what `FIT-6` asks for beside the pixels, by `o - o_0`, `o'` and `g'` in 2^-12 grey levels, and a guard fit's
+    /// damping: exactly, but for half a unit of the squares.
+    fn add_prior(&mut self, away: [i32; 3], damped: bool) {
+        let [offset, _, _, _, gain, _, _, offset_slope, _, gain_slope] = &mut self.own;
+        for diagonal in [offset, offset_slope, gain_slope] {
+            *diagonal += PRIOR;
+        }
         if damped {
             *gain += PRIOR;
         }
-        let [_, _, for_slopes @ .., _, _, _, _] = &mut self.right;
+        let [for_offset, _, for_offset_slope, for_gain_slope, _, _, _, _] = &mut self.right;
         let mut squares = 0_i64;
-        for (sum, level) in for_slopes.iter_mut().zip(slopes.map(i64::from)) {
+        for (sum, level) in [for_offset, for_offset_slope, for_gain_slope].into_iter().zip(away.map(i64::from)) {
             *sum -= level << (FINE_BITS + 8 - LIGHT_BITS.cast_signed() - PRIOR_BITS);
             squares += level * level;
         }
@@ -462,28 +476,28 @@ mod tests {
         assert_eq!(common(&inked, 1 << 8, &units), [1, 0, 0, 1]);
     }
 
-    /// `FIT-6` and `TRELLIS-3`: `o'²/256` and `g'²/256`, which meet no pixel.
+    /// `FIT-6` and `TRELLIS-3`: `(o - o_0)²/256`, `o'²/256` and `g'²/256`, which meet no pixel.
     #[test]
     fn changes_of_light_weigh_a_256th_of_a_pixel() {
         let added = |damped: bool| {
             let mut sums = Sums::default();
-            sums.add_prior([3 << LIGHT_BITS, -5 << LIGHT_BITS], damped);
+            sums.add_prior([7 << LIGHT_BITS, 3 << LIGHT_BITS, -5 << LIGHT_BITS], damped);
             sums
         };
         let (one, sums) = (1_i64 << (2 * OWN_BITS), added(false));
-        assert_eq!([0, 1, 2, 3].map(|i| 256 * sums.entry(i, i)), [0, 0, one, one]);
-        assert_eq!([0, 1, 2, 3].map(|i| 256 * added(true).entry(i, i)), [0, one, one, one]);
+        assert_eq!([0, 1, 2, 3].map(|i| 256 * sums.entry(i, i)), [one, 0, one, one]);
+        assert_eq!([0, 1, 2, 3].map(|i| 256 * added(true).entry(i, i)), [one, one, one, one]);
         // Right sides have 18 fraction bits, squares 16.
-        assert_eq!([0, 1, 2, 3, 4].map(|i| 256 * sums.entry(i, 8)), [0, 0, -3 << 18, 5 << 18, 0]);
+        assert_eq!([0, 1, 2, 3, 4].map(|i| 256 * sums.entry(i, 8)), [-7 << 18, 0, -3 << 18, 5 << 18, 0]);
         assert_eq!(sums.right, added(true).right);
-        assert_eq!((256 * sums.prior, sums.squares), ((9 + 25) << 16, 0));
+        assert_eq!((256 * sums.prior, sums.squares), ((49 + 9 + 25) << 16, 0));
         let both = Sums { squares: 7, ..sums };
         assert_eq!(both.entry(8, 8), 7 + sums.prior);
     }
 
-    /// Whether a layer of this light may stay as it is.
-    fn stays(levels: [i32; 4]) -> bool {
-        let mut layer = LayerModel {
+    /// A layer of this light that began with values from 50 to 200.
+    fn lit(levels: [i32; 4]) -> LayerModel<'static> {
+        LayerModel {
             line: &[],
             stripes: 0,
             first: 0,
@@ -491,9 +505,21 @@ mod tests {
             hidden: None,
             sloped: true,
             levels: levels.map(|grey| grey << LIGHT_BITS),
+            brightest: 200,
+            darkest: 50,
             step: None,
-        };
-        layer.follow(&LayerEquations::empty(), &Shortened { changes: [Change::default(); 4] }).is_some()
+        }
+    }
+
+    /// `FIT-8`: of the start, whatever the light is now.
+    #[test]
+    fn contrast_is_that_of_the_start() {
+        assert_eq!(lit([300, -20, 0, 0]).squared_contrast(), 150 * 150);
+    }
+
+    /// Whether a layer of this light may stay as it is.
+    fn stays(levels: [i32; 4]) -> bool {
+        lit(levels).follow(&LayerEquations::empty(), &Shortened { changes: [Change::default(); 4] }).is_some()
     }
 
     /// `FIT-13`: `|o| + |o'|` and `|g| + |g'|` are at most 511.

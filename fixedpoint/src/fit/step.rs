@@ -11,6 +11,9 @@ use crate::homography::Homography;
 /// Extra bits with which layers are added.
 const SPARE_BITS: i32 = 10;
 
+/// What a squared contrast adds to the diagonal for σ (`FIT-8`): 2^-6.
+const DAMPING_BITS: i32 = 6;
+
 /// The solved equations in `a`, `s`, `k` and σ, their right side last.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
@@ -35,11 +38,12 @@ impl Change {
 }
 
 impl Step {
-    /// Solves the sum of the layers' equations, at a blur that the step keeps in its range (`FIT-8`, `FIT-10`).
+    /// Solves the sum of the layers' equations, at a blur that the step keeps in its range (`FIT-8`, `FIT-10`); `contrast` is the
+    /// sum of the layers' squared gains at the start, squared grey levels.
     ///
     /// `None` unless the equations are positive definite.
     #[inline(never)] // its stack is not the others'
-    pub(super) fn solve(layers: &[LayerEquations], blur: Column) -> Option<Self> {
+    pub(super) fn solve(layers: &[LayerEquations], contrast: u32, blur: Column) -> Option<Self> {
         let mut equations = sum(layers);
         for pivot in 0..4 {
             equations.eliminate(pivot)?;
@@ -49,9 +53,11 @@ impl Step {
         equations.substitute(3, &mut solution);
         let [a, s, k, sigma, right] = equations.exponents;
         let exponent = |column: i32| right - column - i32::from(SOLUTION_BITS);
+        let free = solution[3];
+        let weight = i64::from(equations.entry(3, 3));
+        solution[3] = damped(free, weight, binary::scaled(i64::from(contrast), -DAMPING_BITS - 2 * sigma));
         let spread = Change { value: solution[3], exponent: exponent(sigma) }.scaled(20);
         let limited = limited(blur, spread);
-        let free = solution[3];
         if limited != spread {
             solution[3] = binary::scaled(limited, -20 - exponent(sigma)).clamp(-(1 << 32), 1 << 32);
         }
@@ -60,7 +66,7 @@ impl Step {
         }
         let missed = free - solution[3];
         let square = binary::product(missed, missed, SOLUTION_BITS);
-        let by_blur = binary::product(square, i64::from(equations.entry(3, 3)), SOLUTION_BITS);
+        let by_blur = binary::product(square, weight, SOLUTION_BITS);
         let mut changes = [Change::default(); 4];
         for ((change, value), column) in changes.iter_mut().zip(solution).zip([a, s, k, sigma]) {
             *change = Change { value, exponent: exponent(column) };
@@ -130,6 +136,13 @@ impl Step {
 /// The sum of squares, with 16 fraction bits, of pixels of the least variance, 1/4 (`FIT-11`).
 pub(super) fn least_squares(degrees_of_freedom: i64) -> i64 {
     degrees_of_freedom << 14
+}
+
+/// A step of σ (`FIT-8`), at most 2^32 units, of equations with `damping` added to their `weight`, what is left for σ on the
+/// diagonal.
+fn damped(step: i64, weight: i64, damping: i64) -> i64 {
+    let sum = weight.saturating_add(damping.max(0));
+    step.saturating_mul(weight).checked_div(sum).unwrap_or(0)
 }
 
 /// The step of σ, in 2^-20 px, that stays within `FIT-10`'s range.
@@ -211,7 +224,7 @@ mod tests {
         let camera = Camera::new(480, Column::from_num(239), crate::formats::FocalLength::from_num(640)).unwrap();
         let plan = Plan::Code(Illumination::Even);
         let mut state = State::start(&[layer], &start, &camera, Format::Paper, plan).unwrap();
-        assert_eq!(state.origin, Column::ZERO);
+        assert_eq!((state.origin, state.contrast), (Column::ZERO, 180 * 180));
         state.homography = Homography { a: Column::from_bits(a), s: Column::from_bits(s), k: Obliquity::from_bits(k) };
         state.advance(&step([Change::default(); 4]), &[]).is_some()
     }
@@ -259,6 +272,41 @@ mod tests {
         assert_eq!((super::limited(half, 7), super::limited(half, -7)), (7, -7));
         assert_eq!(super::limited(half, 1 << 30), to(Blur::LARGEST));
         assert_eq!(super::limited(half, -(1 << 30)), to(Blur::SMALLEST));
+    }
+
+    /// `FIT-8`: what is added halves the step where it is as much as what is there, and leaves nothing where it is without end.
+    #[test]
+    fn steps_of_the_blur_are_damped() {
+        assert_eq!((super::damped(100, 3, 1), super::damped(-100, 1 << 30, 1 << 30)), (75, -50));
+        assert_eq!((super::damped(100, 3, 0), super::damped(1 << 32, 1 << 30, 0)), (100, 1 << 32));
+        assert_eq!((super::damped(1 << 32, 1 << 30, i64::MAX), super::damped(1, 0, 0)), (0, 0));
+    }
+
+    /// `FIT-8`: of equations in which `a` and σ share half of what they know, 3/4 is left for σ alone; a contrast of as much, 64
+    /// times, halves the step of σ, and `a` is what solves its own equation there.
+    #[test]
+    fn the_step_of_the_blur_is_damped_by_the_contrast() {
+        const ONE: i64 = 1 << 20;
+        let (a, sigma, right) = (4, 7, 8);
+        let mut equations = Equations::<9>::scaled(|i, j| match (i, j) {
+            (i, j) if i == j => ONE,
+            (i, j) if (i, j) == (a, sigma) => ONE / 2,
+            (i, j) if (i, j) == (a, right) => ONE / 10,
+            (i, j) if (i, j) == (sigma, right) => 11 * ONE / 100,
+            _ => 0,
+        });
+        (0..4).for_each(|own| equations.eliminate(own).unwrap());
+        let layer = LayerEquations { equations, squares: 0, prior: 0 };
+        let taken = |contrast: u32| {
+            let step = super::Step::solve(std::slice::from_ref(&layer), contrast, Column::from_num(0.6)).unwrap();
+            step.changes.map(|change| change.scaled(20) as f64 / 2_f64.powi(20))
+        };
+        let near = |found: [f64; 4], expected: [f64; 4]| {
+            found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-5)
+        };
+        // (0.11 - 0.1/2)/(3/4) is 0.08.
+        assert!(near(taken(0), [0.06, 0.0, 0.0, 0.08]), "{:?}", taken(0));
+        assert!(near(taken(48 << 20), [0.08, 0.0, 0.0, 0.04]), "{:?}", taken(48 << 20));
     }
 
     /// What a step changes, and what no format holds.

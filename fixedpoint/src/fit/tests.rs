@@ -109,6 +109,8 @@ fn minimum(layers: &[FitLayer<'_>], start: &Start, format: Format, steps: &[Opti
         parameters.extend([f64::from(brightest), f64::from(darkest) - f64::from(brightest), 0.0, 0.0]);
     }
     let n = parameters.len();
+    let begun = parameters.clone();
+    let damping: f64 = (4..n).step_by(4).map(|own| begun[own + 1] * begun[own + 1] / 64.0).sum();
     let mut taken = List::new();
     for _ in 0..60 {
         let (mut matrix, mut right) = (std::vec![std::vec![0.0; n]; n], std::vec![0.0; n]);
@@ -144,12 +146,15 @@ fn minimum(layers: &[FitLayer<'_>], start: &Start, format: Format, steps: &[Opti
             }
         }
         for own in (4..n).step_by(4) {
-            for i in own + 2..own + 4 {
+            for i in [own, own + 2, own + 3] {
                 matrix[i][i] += 1.0 / 256.0;
-                right[i] -= parameters[i] / 256.0;
+                right[i] -= (parameters[i] - begun[i]) / 256.0;
             }
         }
-        let (mut change, inverse) = solved(&matrix, &right);
+        let (_, inverse) = solved(&matrix, &right);
+        let mut damped = matrix.clone();
+        damped[3][3] += damping;
+        let (mut change, _) = solved(&damped, &right);
         let variance = f64::max(squares / f64::from(count - n as i32), 0.25);
         // The layers' own parameters, for a given change of the common ones.
         let own = |common: &[f64]| {
@@ -160,7 +165,8 @@ fn minimum(layers: &[FitLayer<'_>], start: &Start, format: Format, steps: &[Opti
             solved(&block, &rest).0
         };
         let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
-        let lowered = 225.0 * dot(&right, &change);
+        let pulled: List<f64> = matrix.iter().map(|row| dot(row, &change)).collect();
+        let lowered = 225.0 * (2.0 * dot(&right, &change) - dot(&pulled, &change));
         let far = [change[0], change[1], change[2] / 0.1, change[3] / 0.2]
             .iter()
             .fold(1.0_f64, |far, part| far.max(part.abs()));
@@ -398,8 +404,8 @@ proptest! {
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-6** The estimate MUST be the minimum, over all parameters, that Gauss-Newton steps lead to, of the sum
-    //# of the squared differences between the pixels of all layers and their model, and of `o'²/256` and `g'²/256` for
-    //# each layer.
+    //# of the squared differences between the pixels of all layers and their model, and of `(o - o_0)²/256`, `o'²/256`
+    //# and `g'²/256` for each layer, `o_0` being FIT-7's `o`.
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-7** The start MUST be the given `(a, s, k)`, σ = 1/2, and for each layer the largest value of its window
@@ -407,7 +413,8 @@ proptest! {
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-8** A step `(Δa, Δs, Δk, Δσ)` MUST be the solution of FIT-6's normal equations from which each layer's
-    //# own parameters have been eliminated.
+    //# own parameters have been eliminated, with a 64th of the square of FIT-7's `g` of each layer added to the
+    //# diagonal for σ.
     //= reference/SPEC.md#fit
     //= type=test
     //# - **FIT-9** A step MUST be shortened as a whole until `|Δa|` and `|Δs|` are at most 1 px, `|Δk|` at most 0.1 and
@@ -462,7 +469,7 @@ proptest! {
     //= reference/SPEC.md#trellis
     //= type=test
     //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the
-    //# diagonal for each layer's `g`, and be refused as FIT-12 and FIT-13 otherwise say.
+    //# diagonal for each layer's `g`, and be refused as FIT-12, with `n < p + 8`, and FIT-13 otherwise say.
     #[test]
     fn guards_are_fitted_without_the_code(view in views()) {
         let blank = view.layers().map(|layer| FitLayer { stripes: stripes(view.format, 0), ..layer });
@@ -522,8 +529,8 @@ fn survey() {
 //# - **FIT-5** Pixels of the value 0 or 255 MUST be left out, since RENDER-5 limits them.
 //= reference/SPEC.md#fit
 //= type=test
-//# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < p + 8`, or if the values of a layer's pixels that are
-//# not left out all lie within less than 12 grey levels.
+//# - **FIT-12** A fit MUST be refused (`TooFewPixels`) if `n < 3 p`, or if the values of a layer's pixels that are not
+//# left out all lie within less than 12 grey levels.
 //= reference/SPEC.md#fit
 //= type=test
 //# - **FIT-13** A fit MUST be refused (`NotConverged`) if it has not converged with its 9th step, if its equations are
@@ -536,11 +543,11 @@ fn what_cannot_be_fitted_is_refused() {
         let layer = FitLayer { line, first_pixel, last_pixel, stripes: view.stripes[0] };
         fit(&[layer], start, &camera(), Format::Paper, Illumination::Even).map(|fitted| fitted.steps)
     };
-    // 8 parameters and 8 more: 16 pixels count. The margin of 12 pixels is 1, of 14 also 1.
-    let start = Start::at(&Homography { a: Column::ZERO, s: Column::from_num(7), k: Obliquity::ZERO });
+    // Three times 8 parameters: 24 pixels count. The margin of 19 and of 20 pixels is 2.
+    let start = Start::at(&Homography { a: Column::ZERO, s: Column::from_num(10), k: Obliquity::ZERO });
     let line: List<u8> = (0..640_u32).map(|pixel| 100 + (pixel * 37 % 50) as u8).collect();
-    assert_eq!(fitted(&line, 313, 325, &start), Err(FitRefusal::TooFewPixels));
-    assert_ne!(fitted(&line, 313, 326, &start), Err(FitRefusal::TooFewPixels));
+    assert_eq!(fitted(&line, 309, 327, &start), Err(FitRefusal::TooFewPixels));
+    assert_ne!(fitted(&line, 309, 328, &start), Err(FitRefusal::TooFewPixels));
     assert_eq!(fitted(&[255; 640], 279, 360, &view.start), Err(FitRefusal::TooFewPixels));
     assert_eq!(fit(&[], &start, &camera(), Format::Paper, Illumination::Even), Err(FitRefusal::TooFewPixels));
     // A flat line has no gain: nothing tells where the edges are. 12 grey levels may.
@@ -552,6 +559,22 @@ fn what_cannot_be_fitted_is_refused() {
     assert!(fitted(&view.lines[0], view.ends.0, view.ends.1, &view.start).is_ok());
     let mirrored = Start::at(&Homography { s: Column::from_num(-40), ..view.start.homography });
     assert_eq!(fitted(&view.lines[0], view.ends.0, view.ends.1, &mirrored), Err(FitRefusal::NotConverged));
+}
+
+/// Six parameters and eight more: 14 pixels, beside the code and not limited.
+#[test]
+fn guards_need_fourteen_pixels() {
+    let start = Start::at(&Homography { a: Column::ZERO, s: Column::from_num(20), k: Obliquity::ZERO });
+    let fitted = |count: usize| {
+        // Beside the code, of 12 px and 1.5 px more to either side of the middle, 319.5.
+        let beside = (295..=344_usize).filter(|&pixel| (pixel as f64 - 319.5).abs() > 13.5);
+        let mut line = std::vec![255_u8; 640];
+        beside.take(count).for_each(|pixel| line[pixel] = 100 + (pixel * 37 % 50) as u8);
+        let layer = FitLayer { line: &line, first_pixel: 299, last_pixel: 340, stripes: stripes(Format::Paper, 0) };
+        fit_guards(&[layer], &start, &camera(), Format::Paper).map(|fitted| fitted.steps)
+    };
+    assert_eq!(fitted(13), Err(FitRefusal::TooFewPixels));
+    assert_ne!(fitted(14), Err(FitRefusal::TooFewPixels));
 }
 
 /// `FIT-10`: of a sharper and of a more blurred image than a fit may have it stays at the limit, and finds the edges.

@@ -124,8 +124,8 @@ fn settled_half_words_have_been_fitted() {
     let camera = Camera::epuck();
     let (upper, lower) = encode(Format::Wide, 0x00F2_0183).unwrap();
     let (mut settled, mut unsettled) = (0, 0);
-    for _ in 0..300 {
-        let view = View { blur: 1.1, noise: 30.0, ..View::turned(Format::Wide, 1.1, 0.5) };
+    for _ in 0..1500 {
+        let view = View { blur: 1.1, noise: 30.0, ..View::turned(Format::Wide, 1.2, 0.5) };
         let lines = [upper, lower].map(|half_word| view.line(480, half_word, &mut random));
         let ends = [view.column(-1.0) + 0.5, view.column(1.0) - 0.5].map(|column| column.round() as u16);
         let (extent, mut fits) = ((ends[0], ends[1]), Fits::default());
