@@ -7,7 +7,7 @@
 //! What decides where the minimum lies are the residuals, which are kept with 8 fraction bits of a grey level, of a light
 //! of 12. The
 //! model's derivatives have 10 significant bits, in block floating point: the same in a whole layer, so that
-//! products of two of them over a window of 640 px add up in 32 bits. Their rounding, at most half a unit where the largest are a
+//! products of two of them over a window of 640 px add up in 32 bits, and up to 13 where fewer pixels count. Their rounding, at most half a unit where the largest are a
 //! few hundred, is independent of the residuals and moves the minimum by less than 0.5 % of its standard deviation.
 
 mod layer;
@@ -95,7 +95,7 @@ pub struct Fitted {
     pub variance: u32,
     /// `n - p`.
     pub degrees_of_freedom: u16,
-    /// The number of steps, 1 to 9.
+    /// The number of steps, 1 to 9, or 12 of a guard fit.
     pub steps: u8,
     /// The light of each layer.
     pub lights: Vec<LayerLight, 2>,
@@ -115,7 +115,7 @@ impl Fitted {
 enum Plan {
     /// Of all stripes, until it converges (`FIT-11`).
     Code(Illumination),
-    /// Of the guards, in 5 steps (`TRELLIS-1` to `TRELLIS-3`).
+    /// Of the guards (`TRELLIS-1` to `TRELLIS-3`).
     Guards,
 }
 
@@ -145,10 +145,11 @@ pub fn fit(
 /// Fits the guards of both layers, whose code stripes are spaces (`TRELLIS-1` to `TRELLIS-3`, `TRELLIS-10`).
 ///
 /// # Errors
-/// As [`fit`], except that it need not converge; `NotConverged` also where it is given up early.
+/// As [`fit`], with up to 12 steps; `NotConverged` also where it is given up early.
 //= reference/SPEC.md#trellis
-//# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the diagonal
-//# for each layer's `g`, and be refused as FIT-12, with `n < p + 8`, and FIT-13 otherwise say.
+//# - **TRELLIS-3** The guard fit MUST end as FIT-11 says or with its 12th step, with 2^-8 added to the diagonal for
+//# each layer's `g`, which counts as if FIT-6 had added it, and be refused as FIT-12, with `n < p + 8`, and FIT-13
+//# otherwise say.
 pub fn fit_guards(
     layers: &[FitLayer<'_>],
     start: &Start,
@@ -184,7 +185,7 @@ fn run(
     plan: Plan,
 ) -> Result<Fitted, FitRefusal> {
     let mut state = State::start(layers, start, camera, format, plan)?;
-    let limit = if plan == Plan::Guards { 5 } else { 9 };
+    let limit = if plan == Plan::Guards { 12 } else { 9 };
     let mut equations: Vec<_, 2> = state.layers.iter().map(|_| LayerEquations::empty()).collect();
     for steps in 1..=limit {
         state.equations(&mut equations).ok_or(FitRefusal::NotConverged)?;
@@ -194,10 +195,7 @@ fn run(
         if plan == Plan::Guards && state.is_hopeless(steps, squares) {
             return Err(FitRefusal::NotConverged);
         }
-        let last = match plan {
-            Plan::Code(_) => step.is_last(squares, prior, state.degrees_of_freedom),
-            Plan::Guards => steps == limit,
-        };
+        let last = step.is_last(squares, prior, state.degrees_of_freedom) || plan == Plan::Guards && steps == limit;
         state.advance(&step, &equations).ok_or(FitRefusal::NotConverged)?;
         if last {
             return state.fitted(&step, squares, steps).ok_or(FitRefusal::NotConverged);

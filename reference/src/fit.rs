@@ -212,18 +212,15 @@ pub struct Fitted {
 pub enum Plan {
     /// Until it has converged, with all parameters of the light.
     Converge,
-    /// A stated number of steps, without λ (TRELLIS-1, TRELLIS-3).
-    Guards {
-        /// Steps.
-        steps: usize,
-    },
+    /// The same of the guards, without λ (TRELLIS-1, TRELLIS-3).
+    Guards,
 }
 
 impl Plan {
     fn own_parameters(self) -> usize {
         match self {
             Self::Converge => 4,
-            Self::Guards { .. } => 2,
+            Self::Guards => 2,
         }
     }
 
@@ -231,7 +228,15 @@ impl Plan {
     fn least_pixels(self, parameters: usize) -> usize {
         match self {
             Self::Converge => 3 * parameters,
-            Self::Guards { .. } => parameters + 8,
+            Self::Guards => parameters + 8,
+        }
+    }
+
+    /// The last step (FIT-13, TRELLIS-3).
+    fn most_steps(self) -> usize {
+        match self {
+            Self::Converge => MAX_STEPS,
+            Self::Guards => 12,
         }
     }
 
@@ -239,7 +244,7 @@ impl Plan {
     fn damping(self) -> f64 {
         match self {
             Self::Converge => 0.0,
-            Self::Guards { .. } => 1.0 / 256.0,
+            Self::Guards => 1.0 / 256.0,
         }
     }
 }
@@ -489,12 +494,8 @@ pub fn fit_windows(
         return Err(FitRefusal::TooFewPixels);
     }
     let mut imaging = *start;
-    let most = match plan {
-        Plan::Converge => MAX_STEPS,
-        Plan::Guards { steps } => steps,
-    };
     let mut last_decrease = f64::INFINITY;
-    for steps in 1..=most {
+    for steps in 1..=plan.most_steps() {
         let reduced = problem.reduced(&imaging, &lights).ok_or(FitRefusal::NotConverged)?;
         let degrees_of_freedom = problem.degrees_of_freedom(reduced.pixels)?;
         let variance = (reduced.squares / degrees_of_freedom as f64).max(ROUNDING_VARIANCE);
@@ -510,10 +511,7 @@ pub fn fit_windows(
             return Err(FitRefusal::NotConverged);
         }
         last_decrease = share_of_limit(reduced.own_decrease + step.decrease, variance);
-        let ends = match plan {
-            Plan::Converge => last_decrease <= 1.0,
-            Plan::Guards { steps: most } => steps == most,
-        };
+        let ends = last_decrease <= 1.0 || plan == Plan::Guards && steps == plan.most_steps();
         if ends {
             let inverse = reduced.matrix.try_inverse().ok_or(FitRefusal::NotConverged)?;
             let covariance = inverse.fixed_view::<3, 3>(0, 0) * variance;

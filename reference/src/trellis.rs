@@ -12,9 +12,6 @@ use crate::landmark::{Format, GUARD_PAIRS, stripes};
 use crate::observer::Observer;
 use crate::refusal::CandidateRefusal;
 
-/// Steps of the guard fit (TRELLIS-3).
-const GUARD_STEPS: usize = 5;
-
 /// Fits after which the half words must have settled (TRELLIS-7).
 const MAX_FITS: usize = 3;
 
@@ -143,8 +140,9 @@ impl<'a> Trial<'a> {
 
     /// TRELLIS-1 to TRELLIS-3
     //= reference/SPEC.md#trellis
-    //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the
-    //# diagonal for each layer's `g`, and be refused as FIT-12, with `n < p + 8`, and FIT-13 otherwise say.
+    //# - **TRELLIS-3** The guard fit MUST end as FIT-11 says or with its 12th step, with 2^-8 added to the diagonal for
+    //# each layer's `g`, which counts as if FIT-6 had added it, and be refused as FIT-12, with `n < p + 8`, and FIT-13
+    //# otherwise say.
     fn guard_fit(&self, start: &Homography) -> Result<Fitted, CandidateRefusal> {
         let gap = self.code_pixels();
         let windows = self.pair.map(|extent| Window { gap: gap.clone(), ..self.window(&extent) });
@@ -154,7 +152,7 @@ impl<'a> Trial<'a> {
             &windows,
             &Imaging { homography: *start, blur: START_BLUR },
             Illumination::Even,
-            Plan::Guards { steps: GUARD_STEPS },
+            Plan::Guards,
             self.camera,
             self.format,
         )
@@ -337,23 +335,27 @@ mod tests {
 
     //= reference/SPEC.md#trellis
     //= type=test
-    //# - **TRELLIS-3** The guard fit MUST take 5 steps, whether it has converged or not, with 2^-8 added to the
-    //# diagonal for each layer's `g`, and be refused as FIT-12, with `n < p + 8`, and FIT-13 otherwise say.
+    //# - **TRELLIS-3** The guard fit MUST end as FIT-11 says or with its 12th step, with 2^-8 added to the diagonal for
+    //# each layer's `g`, which counts as if FIT-6 had added it, and be refused as FIT-12, with `n < p + 8`, and FIT-13
+    //# otherwise say.
     #[test]
-    fn the_guard_fit_takes_five_steps_without_a_slope() {
+    fn the_guard_fit_converges_without_a_slope() {
         let (distance, pair) = SMALL;
+        let mut converged = 0;
         for seed in 0..20 {
             let lines = lines(Format::Paper, 0xcc0d, (distance, 0.0, PI), Sensor { blur: 0.5, noise: 1.0 }, seed);
             let (camera, landmark) = (&Camera::epuck(), &Landmark::new(Format::Paper));
             let lines = lines.each_ref().map(Vec::as_slice);
             let view = View { lines, camera, landmark, rule: CrossingRule::Interpolated, skew: Skew::at_rest() };
             let fitted = guard_fit(&pair, &guard_start(&pair, camera), &view).unwrap();
-            assert_eq!((fitted.steps, fitted.lights.len()), (5, 2));
+            assert!((fitted.last_decrease <= 1.0 || fitted.steps == 12) && fitted.lights.len() == 2);
+            converged += u32::from(fitted.steps < 12);
             let slopes = fitted.lights.iter().map(|light| light.offset_slope.abs() + light.gain_slope.abs());
             assert!(slopes.sum::<f64>() < 1e-9, "{:?}", fitted.lights);
             // 26 px of which 16 are left out, from 231.4 to 247.6, in two layers; 4 parameters and 2 of each layer.
             assert_eq!(fitted.degrees_of_freedom, 2 * (26 - 16) - 8);
         }
+        assert!(converged >= 15, "{converged}");
     }
 
     /// Half words that settle are those of their last fit, the third at the latest.

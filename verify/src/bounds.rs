@@ -226,7 +226,7 @@ struct Rounding {
     sensitivity: Sensitivity,
     /// Standard deviation of a residual's rounding, grey levels.
     residual: f64,
-    /// That of a derivative's rounding to 10 bits, as a share of what decides on a parameter.
+    /// That of a derivative's rounding to 10 bits or more, as a share of what decides on a parameter.
     derivative: f64,
     /// The same where it meets the residuals.
     fine_derivative: f64,
@@ -255,6 +255,8 @@ impl Rounding {
         ];
         let residual = terms.iter().map(|term| term * term).sum::<f64>().sqrt();
         let unit = 2.0_f64.powf(gain.log2().floor() + 1.0 - 10.0);
+        // Products over all pixels of a layer add up in 30 bits; all that were fitted are of one layer at the most.
+        let further = ((29.0 - pixels.log2().floor()) / 2.0 - 10.0).floor().clamp(0.0, 3.0);
         let [bits, edges] = weights(fit, h).map(|weight| weight / noise);
         Self {
             noise,
@@ -263,7 +265,7 @@ impl Rounding {
             beside_edges: pixels.min(2.0 * format.stripes() as f64 * (1.0 + 7.5 * fit.blur)),
             gain,
             residual,
-            derivative: rounded(unit) * bits,
+            derivative: rounded(unit * 2.0_f64.powf(-further)) * bits,
             fine_derivative: (rounded(unit * ulp(4)) * bits).hypot(TABULATED * gain * edges),
             sensitivity: fit.sensitivity,
         }

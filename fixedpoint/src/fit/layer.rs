@@ -12,7 +12,7 @@ use crate::ratio;
 use crate::sweep::{InkedPixel, Sweep};
 use core::ops::RangeInclusive;
 
-/// Fraction bits of the derivatives by a layer's own parameters; those by the others have about as many.
+/// Fraction bits that the derivatives by a layer's own parameters have at least; those by the others have about as many.
 const OWN_BITS: i32 = 10;
 
 /// The bits that derivatives have beyond [`OWN_BITS`] where they meet the residuals.
@@ -24,7 +24,6 @@ const FINE_BITS: i32 = OWN_BITS + FINER_BITS;
 /// What a squared grey level weighs by which a light changes, or white differs from its start (`FIT-6`), and by which a guard fit's step changes a gain
 /// (`TRELLIS-3`): 2^-8.
 const PRIOR_BITS: i32 = 8;
-const PRIOR: i32 = 1 << (2 * OWN_BITS - PRIOR_BITS);
 
 /// Fraction bits of the light while it is fitted: what rounding it costs must be less than `FIT-11` allows to be left.
 const LIGHT_BITS: u32 = 12;
@@ -51,6 +50,8 @@ pub(super) struct LayerModel<'a> {
     darkest: u8,
     /// The pixel of a step of light.
     step: Option<u16>,
+    /// Bits that the normal equations' derivatives have beyond [`OWN_BITS`].
+    further: i32,
 }
 
 impl<'a> LayerModel<'a> {
@@ -87,6 +88,7 @@ impl<'a> LayerModel<'a> {
             brightest,
             darkest,
             step: None,
+            further: 0,
         };
         match plan {
             Plan::Code(Illumination::Even) => {}
@@ -96,6 +98,7 @@ impl<'a> LayerModel<'a> {
             }
             Plan::Guards => model.hidden = code_pixels(format, origin, projection),
         }
+        model.further = further_bits(model.pixels());
         model
     }
 
@@ -148,7 +151,7 @@ impl<'a> LayerModel<'a> {
     ) -> Option<()> {
         let units = Units::of(&self.light(), projection);
         let mut sweep = Sweep::new(projection, self.stripes, format, blur, i32::from(self.first) - origin);
-        let mut sums = Sums::default();
+        let mut sums = Sums::of(self.further);
         let places = self.places();
         for (pixel, value) in self.values() {
             let inked = sweep.pixel();
@@ -164,7 +167,7 @@ impl<'a> LayerModel<'a> {
         for own in 0..4 {
             equations.eliminate(own)?;
         }
-        for (exponent, bits) in equations.exponents.iter_mut().zip(units.bits()) {
+        for (exponent, bits) in equations.exponents.iter_mut().zip(units.bits(self.further)) {
             *exponent -= bits;
         }
         into.squares = sums.squares;
@@ -215,6 +218,12 @@ impl<'a> LayerModel<'a> {
     }
 }
 
+/// The bits beyond [`OWN_BITS`] with which products of two derivatives of so many pixels add up to less than 2^31, and at least
+/// one less than where they meet the residuals.
+fn further_bits(pixels: u16) -> i32 {
+    ((30 - binary::size(i64::from(pixels))) / 2 - OWN_BITS).clamp(0, FINER_BITS - 1)
+}
+
 /// The pixels whose middle lies between the outer edges of the code, widened by 3/2 px (`TRELLIS-2`).
 ///
 /// An edge's rounding, 2^-16 px, counts as between.
@@ -252,17 +261,22 @@ impl Units {
     }
 
     /// Fraction bits of all columns: own derivatives, common ones, residuals.
-    fn bits(&self) -> [i32; 9] {
-        let motion = self.gain - self.growth;
-        [OWN_BITS, OWN_BITS, OWN_BITS, OWN_BITS, motion, motion, motion - self.reach, self.gain, 8]
+    fn bits(&self, further: i32) -> [i32; 9] {
+        let (own, gain) = (OWN_BITS + further, self.gain + further);
+        let motion = gain - self.growth;
+        [own, own, own, own, motion, motion, motion - self.reach, gain, 8]
     }
 }
 
 /// Sums of products of derivatives and residuals.
 ///
-/// Derivatives are at most 2^10, so the sums over 640 px are at most 640 · 2^20 < 2^29.4. Residuals are less than 2^16.
+/// Derivatives are at most 2^10, so the sums over 640 px are at most 640 · 2^20 < 2^29.4, and with [`further_bits`] less than
+/// 2^30. Residuals are less than 2^16.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
+    /// Bits that the derivatives have beyond [`OWN_BITS`], and those that they have not.
+    further: i32,
+    dropped: u8,
     /// Own by own, then common by common: the upper triangles by rows.
     own: [i32; 10],
     common: [i32; 10],
@@ -277,6 +291,12 @@ struct Sums {
 }
 
 impl Sums {
+    /// Nothing yet.
+    fn of(further: i32) -> Self {
+        let dropped = u8::try_from(FINER_BITS - further).unwrap_or_default();
+        Self { further, dropped, ..Self::default() }
+    }
+
     /// Adds a pixel.
     ///
     /// Rounding errors of the residual, in grey levels: 2^-9 its own, and 2^-13 each from the offset and the product, and the
@@ -294,6 +314,7 @@ impl Sums {
         let gain = rounded(i32::try_from(gain).unwrap_or_default(), LIGHT_BITS - 8);
 
         let fine = [1 << FINE_BITS, ink, lambda << 2, (lambda * ink + (1 << 11)) >> 12];
+        let coarse = |derivative: i32| rounded(derivative, u32::from(self.dropped));
         let own = fine.map(coarse);
         add(&mut self.own, triangle(own));
         let [for_own @ .., a, s, k, blur] = &mut self.right;
@@ -320,12 +341,13 @@ impl Sums {
     /// Adds what `FIT-6` asks for beside the pixels, by `o - o_0`, `o'` and `g'` in 2^-12 grey levels, and a guard fit's
     /// damping: exactly, but for half a unit of the squares.
     fn add_prior(&mut self, away: [i32; 3], damped: bool) {
+        let prior = 1 << (2 * (OWN_BITS + self.further) - PRIOR_BITS);
         let [offset, _, _, _, gain, _, _, offset_slope, _, gain_slope] = &mut self.own;
         for diagonal in [offset, offset_slope, gain_slope] {
-            *diagonal += PRIOR;
+            *diagonal += prior;
         }
         if damped {
-            *gain += PRIOR;
+            *gain += prior;
         }
         let [for_offset, _, for_offset_slope, for_gain_slope, _, _, _, _] = &mut self.right;
         let mut squares = 0_i64;
@@ -363,11 +385,6 @@ fn rounded(value: i32, bits: u32) -> i32 {
     (value + (1 << bits >> 1)) >> bits
 }
 
-/// A fine derivative with 10 bits.
-fn coarse(derivative: i32) -> i32 {
-    rounded(derivative, FINER_BITS.unsigned_abs())
-}
-
 /// The upper triangle of the products of four numbers, by rows.
 fn triangle([a, b, c, d]: [i32; 4]) -> [i32; 10] {
     [a * a, a * b, a * c, a * d, b * b, b * c, b * d, c * c, c * d, d * d]
@@ -384,7 +401,7 @@ impl Sums {
     fn entry(&self, i: usize, j: usize) -> i64 {
         let sum = match (i < 4, j < 4) {
             _ if i == 8 => return self.squares + self.prior,
-            _ if j == 8 => return ratio::dropped(self.right.get(i).copied().unwrap_or_default(), 4),
+            _ if j == 8 => return ratio::dropped(self.right.get(i).copied().unwrap_or_default(), self.dropped),
             (true, true) => self.own.get(in_triangle(i, j)),
             (true, false) => self.mixed.get(i).and_then(|row| row.get(j.saturating_sub(4))),
             _ => self.common.get(in_triangle(i.saturating_sub(4), j.saturating_sub(4))),
@@ -447,7 +464,7 @@ mod tests {
 
     /// A pixel's residual, 8 fraction bits, and its right sides by `g`, `o'` and `g'` for a residual of 1, 14 fraction bits.
     fn of_pixel(value: u8, lambda: i32, levels: [i32; 4], ink: i32) -> (i64, [i64; 3]) {
-        let mut sums = Sums::default();
+        let mut sums = Sums::of(0);
         let units = Units { gain: OWN_BITS, growth: 0, reach: 0 };
         sums.add(value, lambda, &levels, &InkedPixel { ink, ..InkedPixel::default() }, &units);
         let [by_offset, others @ .., _, _, _, _] = sums.right; // the derivative by the offset is 1
@@ -476,11 +493,42 @@ mod tests {
         assert_eq!(common(&inked, 1 << 8, &units), [1, 0, 0, 1]);
     }
 
+    /// The most pixels for each number of bits, and one more.
+    #[test]
+    fn few_pixels_have_finer_derivatives() {
+        let pixels = [0, 15, 16, 63, 64, 255, 256, 640];
+        assert_eq!(pixels.map(further_bits), [3, 3, 2, 2, 1, 1, 0, 0]);
+        for pixels in 1..=640_u16 {
+            let largest = 1_i64 << (OWN_BITS + further_bits(pixels));
+            assert!(i64::from(pixels) * largest * largest + (largest * largest >> PRIOR_BITS) < 1 << 31);
+        }
+    }
+
+    /// The same pixel and the same light with finer derivatives: the same equations in finer units.
+    #[test]
+    fn finer_derivatives_are_in_finer_units() {
+        let units = Units { gain: OWN_BITS, growth: 0, reach: 0 };
+        let inked = InkedPixel { ink: 3 << 14, motion: [1 << 22, -3 << 20, 3 << 18], spread: 1 << 12, active: true };
+        let of = |further: i32| {
+            let mut sums = Sums::of(further);
+            sums.add(100, 1 << 11, &[200 << LIGHT_BITS, -120 << LIGHT_BITS, 0, 0], &inked, &units);
+            sums.add_prior([1 << LIGHT_BITS; 3], true);
+            sums
+        };
+        let (coarse, fine) = (of(0), of(3));
+        for (i, j) in (0..8).flat_map(|i| (i..9).map(move |j| (i, j))) {
+            let bits = if j == 8 { 3 } else { 6 };
+            assert_eq!(fine.entry(i, j), coarse.entry(i, j) << bits, "{i} {j}");
+        }
+        assert_eq!(fine.entry(8, 8), coarse.entry(8, 8));
+        assert!(units.bits(3).iter().zip(units.bits(0)).take(8).all(|(fine, coarse)| fine - coarse == 3));
+    }
+
     /// `FIT-6` and `TRELLIS-3`: `(o - o_0)²/256`, `o'²/256` and `g'²/256`, which meet no pixel.
     #[test]
     fn changes_of_light_weigh_a_256th_of_a_pixel() {
         let added = |damped: bool| {
-            let mut sums = Sums::default();
+            let mut sums = Sums::of(0);
             sums.add_prior([7 << LIGHT_BITS, 3 << LIGHT_BITS, -5 << LIGHT_BITS], damped);
             sums
         };
@@ -508,6 +556,7 @@ mod tests {
             brightest: 200,
             darkest: 50,
             step: None,
+            further: 0,
         }
     }
 
