@@ -500,7 +500,7 @@ mod tests {
         assert_eq!(pixels.map(further_bits), [3, 3, 2, 2, 1, 1, 0, 0]);
         for pixels in 1..=640_u16 {
             let largest = 1_i64 << (OWN_BITS + further_bits(pixels));
-            assert!(i64::from(pixels) * largest * largest + (largest * largest >> PRIOR_BITS) < 1 << 31);
+            assert!(i64::from(pixels) * largest * largest + ((largest * largest) >> PRIOR_BITS) < 1 << 31);
         }
     }
 
