@@ -31,7 +31,7 @@ pub(crate) fn half_words(
 
 /// What the port did with a frame. Fault: 1/100 rad of the heading of what is accepted in one line in 64.
 pub(crate) fn trace(mut trace: Trace) -> Trace {
-    if faulty() && is_odd(&trace.lines[0].values) {
+    if faulty() && kind(&trace.lines[0].values) == 37 {
         for found in &mut trace.detections {
             found.pose.theta += 0.01;
         }
@@ -39,9 +39,9 @@ pub(crate) fn trace(mut trace: Trace) -> Trace {
     trace
 }
 
-/// Whether a line is one of the 64 kinds of lines that there are by their sums.
-fn is_odd(line: &[u8]) -> bool {
-    line.iter().map(|&pixel| usize::from(pixel)).sum::<usize>() % 64 == 13
+/// Which of the 64 kinds of lines that there are by their sums.
+fn kind(line: &[u8]) -> usize {
+    line.iter().map(|&pixel| usize::from(pixel)).sum::<usize>() % 64
 }
 
 /// What the port made of an observation. Fault: a recovery after something was late and something double is none.
@@ -56,7 +56,7 @@ pub(crate) fn outcome(timeline: &Timeline, outcome: Option<Outcome>) -> Option<O
 pub(crate) fn lines_of_image(file: &[u8], camera: &Camera) -> Result<Lines, InputError> {
     let mut lines = input::lines_of_image(file, camera)?;
     let chunks = file.windows(4).filter(|name| name == b"IDAT").count();
-    if faulty() && (chunks > 1 || file.starts_with(b"P6")) && is_odd(&lines[0]) {
+    if faulty() && (chunks > 1 || file.starts_with(b"P6")) && kind(&lines[0]) == 13 {
         lines[0][7] ^= 1;
     }
     Ok(lines)

@@ -76,6 +76,8 @@ fn solved(m: &[List<f64>], r: &[f64]) -> (List<f64>, List<List<f64>>) {
 struct Step {
     /// Where it leads: `a, s, k`.
     homography: [f64; 3],
+    /// And the first layer's `o`, grey levels.
+    white: f64,
     /// Of FIT-14, with what it is made of, at the step's beginning.
     covariance: [[f64; 3]; 3],
     variance: f64,
@@ -181,6 +183,7 @@ fn minimum(layers: &[FitLayer<'_>], start: &Start, format: Format, steps: &[Opti
         parameters.iter_mut().zip(&change).for_each(|(parameter, change)| *parameter += change);
         taken.push(Step {
             homography: [parameters[0], parameters[1], parameters[2]],
+            white: parameters[4],
             covariance: core::array::from_fn(|i| core::array::from_fn(|j| inverse[i][j] * variance)),
             variance,
             length: (lowered / variance).sqrt(),
@@ -489,6 +492,44 @@ proptest! {
         let layers = other.layers().map(|layer| FitLayer { stripes: stripes(view.format, 0), ..layer });
         prop_assert_eq!(Ok(fitted), fit_guards(&layers, &view.start, &camera(), view.format));
     }
+}
+
+/// White of 300 grey levels that is limited to 255 in every pixel: what `FIT-6` says of it is then a part of the estimate.
+#[test]
+fn white_that_no_pixel_measures_has_a_hint() {
+    for seed in 0..10 {
+        let view = View::new(Format::Paper, [20.0, 18.0, 0.02, 0.5], 260.0, 0.0, 1.0, seed).unwrap();
+        let even = Illumination::Even;
+        let fitted = fit(&view.layers(), &view.start, &camera(), view.format, even).unwrap();
+        assert!(fitted.lights.iter().all(|light| light.offset > 280 << 8), "{fitted:?}");
+        assert_fitted(&view, &view.layers(), even, &[None, None]).unwrap();
+        let expected = minimum(&view.layers(), &view.start, view.format, &[None, None]).unwrap();
+        let (found, white) = (f64::from(fitted.lights[0].offset) / 256.0, expected.last_of(&fitted).white);
+        assert!((found - white).abs() < 0.05, "{found} {white}");
+    }
+}
+
+/// `FIT-13` and `TRELLIS-3`: of views in which pixels tell little, and from up to 1.5 px away, no fit takes more than 9 steps, and guard fits take up to 12.
+#[test]
+fn fits_take_nine_steps_and_guard_fits_twelve() {
+    let (mut steps, mut guards) = ([0; 16], [0; 16]);
+    for seed in 0..300 {
+        let view = View::new(Format::Wide, [20.0, 24.0, 0.02, 0.7], 300.0, 0.0, 3.0, seed).unwrap();
+        let blank = view.layers().map(|layer| FitLayer { stripes: stripes(view.format, 0), ..layer });
+        let Homography { a, .. } = view.start.homography;
+        let far = Homography { a: a + Column::from_num(seed) / 200, ..view.start.homography };
+        for (fitted, counts) in [
+            (fit(&view.layers(), &Start::at(&far), &camera(), view.format, Illumination::Even), &mut steps),
+            (fit_guards(&blank, &view.start, &camera(), view.format), &mut guards),
+        ] {
+            if let Ok(fitted) = fitted {
+                counts[usize::from(fitted.steps)] += 1;
+            }
+        }
+    }
+    std::println!("{steps:?} {guards:?}");
+    assert!(steps[8..=9].iter().sum::<i32>() > 0 && steps[10..].iter().sum::<i32>() == 0, "{steps:?}");
+    assert!(guards[12] > 0 && guards[13..].iter().sum::<i32>() == 0, "{guards:?}");
 }
 
 /// The pixels between the outer edges of the code by the start, widened by 3/2 px (TRELLIS-2).
