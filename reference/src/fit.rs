@@ -1000,6 +1000,16 @@ mod tests {
     fn what_cannot_be_fitted_is_refused() {
         let mut sight = sight((0.3, 0.0, PI), Light::default(), CLEAR);
         let truth = sight.truth;
+        // Three times 8 parameters: 24 pixels count, 20 and a margin of 2; one that is limited is one less.
+        let mut line: Vec<u8> = (0..480_u32).map(|pixel| u8::try_from(100 + pixel * 37 % 50).unwrap()).collect();
+        let few = |line: &[u8]| {
+            let layer = FitLayer { line, first_pixel: 229, last_pixel: 248, stripes: &sight.stripes[0] };
+            let start = Imaging { homography: Homography { a: 0.0, s: 10.0, k: 0.0 }, blur: START_BLUR };
+            fit(&[layer], &start, Illumination::Even, &Camera::epuck(), Format::Paper) == Err(FitRefusal::TooFewPixels)
+        };
+        assert!(!few(&line));
+        line[240] = 255;
+        assert!(few(&line));
         let off = Homography { a: truth.a + 40.0, ..truth };
         assert_eq!(sight.fit(off, Illumination::Even), Err(FitRefusal::NotConverged));
         for line in &mut sight.lines {

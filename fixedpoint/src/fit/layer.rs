@@ -21,8 +21,8 @@ const FINER_BITS: i32 = 4;
 /// Fraction bits of the derivatives by a layer's own parameters there.
 const FINE_BITS: i32 = OWN_BITS + FINER_BITS;
 
-/// What a squared grey level weighs by which a light changes, or white differs from its start (`FIT-6`), and by which a guard fit's step changes a gain
-/// (`TRELLIS-3`): 2^-8.
+/// What a squared grey level weighs by which a light changes, or white differs from its start (`FIT-6`), and by which a
+/// guard fit's step changes a gain (`TRELLIS-3`): 2^-8.
 const PRIOR_BITS: i32 = 8;
 
 /// Fraction bits of the light while it is fitted: what rounding it costs must be less than `FIT-11` allows to be left.

@@ -584,11 +584,12 @@ fn what_cannot_be_fitted_is_refused() {
         let layer = FitLayer { line, first_pixel, last_pixel, stripes: view.stripes[0] };
         fit(&[layer], start, &camera(), Format::Paper, Illumination::Even).map(|fitted| fitted.steps)
     };
-    // Three times 8 parameters: 24 pixels count. The margin of 19 and of 20 pixels is 2.
+    // Three times 8 parameters: 24 pixels count, 20 and a margin of 2; one that is limited is one less.
     let start = Start::at(&Homography { a: Column::ZERO, s: Column::from_num(10), k: Obliquity::ZERO });
-    let line: List<u8> = (0..640_u32).map(|pixel| 100 + (pixel * 37 % 50) as u8).collect();
-    assert_eq!(fitted(&line, 309, 327, &start), Err(FitRefusal::TooFewPixels));
+    let mut line: List<u8> = (0..640_u32).map(|pixel| 100 + (pixel * 37 % 50) as u8).collect();
     assert_ne!(fitted(&line, 309, 328, &start), Err(FitRefusal::TooFewPixels));
+    line[320] = 255;
+    assert_eq!(fitted(&line, 309, 328, &start), Err(FitRefusal::TooFewPixels));
     assert_eq!(fitted(&[255; 640], 279, 360, &view.start), Err(FitRefusal::TooFewPixels));
     assert_eq!(fit(&[], &start, &camera(), Format::Paper, Illumination::Even), Err(FitRefusal::TooFewPixels));
     // A flat line has no gain: nothing tells where the edges are. 12 grey levels may.
