@@ -76,6 +76,7 @@ fn run(arguments: &Arguments) -> io::Result<bool> {
             eprintln!("{}", part.last_words(&arguments.out)?);
         }
         record.keep(part.name, taken);
+        record.versions = tools::versions(); // a part installs what it needs
         // After each part: what was measured is not lost with what is interrupted.
         record.write(&arguments.out)?;
         page::write(&arguments.out, &record)?;

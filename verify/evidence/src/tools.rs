@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Tools whose versions a reader may want to know: name and how to ask.
-const TOOLS: [(&str, &[&str]); 11] = [
+const TOOLS: [(&str, &[&str]); 10] = [
     ("rustc", &["rustc", "--version"]),
     ("cargo", &["cargo", "--version"]),
     ("rustc nightly", &["rustc", "+nightly", "--version"]),
-    ("cbmc", &["target/proofs/tools/cbmc", "--version"]),
+    ("cbmc", &["target/proofs/tools/bin/cbmc", "--version"]),
     ("kani", &["cargo", "kani", "--version"]),
-    ("duvet", &["duvet", "--version"]),
     ("cargo-fuzz", &["cargo", "fuzz", "--version"]),
     ("cargo-mutants", &["cargo", "mutants", "--version"]),
     ("cargo-llvm-cov", &["cargo", "llvm-cov", "--version"]),
@@ -18,21 +17,56 @@ const TOOLS: [(&str, &[&str]); 11] = [
     ("machine", &["uname", "-srm"]),
 ];
 
-/// The first line that a command prints, if it runs.
-fn first_line(words: &[&str]) -> Option<String> {
+/// What a command prints, if it runs.
+fn output(words: &[&str]) -> Option<String> {
     let (program, arguments) = words.split_first()?;
     let output = Command::new(program).args(arguments).output().ok().filter(|output| output.status.success())?;
-    String::from_utf8_lossy(&output.stdout).lines().next().map(str::to_owned)
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Each tool's own word on its version, or that it is not installed.
+/// The first line of it.
+fn first_line(words: &[&str]) -> Option<String> {
+    output(words)?.lines().next().map(str::to_owned)
+}
+
+/// Each tool's own word on its version, or cargo's on one that does not say it, or that it is not installed.
 pub(crate) fn versions() -> BTreeMap<String, String> {
-    let version = |words| first_line(words).unwrap_or_else(|| "not installed".to_owned());
-    TOOLS.into_iter().map(|(name, words)| (name.to_owned(), version(words))).collect()
+    let said = TOOLS.into_iter().map(|(name, words)| (name, first_line(words)));
+    let known =
+        said.chain([("duvet", installed(&output(&["cargo", "install", "--list"]).unwrap_or_default(), "duvet"))]);
+    known.map(|(name, version)| (name.to_owned(), version.unwrap_or_else(|| "not installed".to_owned()))).collect()
+}
+
+/// A crate and its version in what `cargo install --list` prints: `name v1.2.3:`, and from elsewhere `name v1.2.3 (where):`.
+fn installed(list: &str, name: &str) -> Option<String> {
+    let line = list.lines().find(|line| line.strip_prefix(name).is_some_and(|rest| rest.starts_with(" v")))?;
+    Some(line.trim_end_matches(':').to_owned())
 }
 
 /// The commit, with `-modified` if the tree differs from it; `unknown` outside of a repository.
 pub(crate) fn commit() -> String {
     first_line(&["git", "describe", "--always", "--abbrev=40", "--dirty=-modified", "--exclude=*"])
         .unwrap_or_else(|| "unknown".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crate_s_version_is_its_own() {
+        let list = "duvet-core v0.1.0:\n    core\nduvet v0.4.3 (/somewhere):\n    duvet\ncargo-fuzz v0.13.2:\n    cargo-fuzz\n";
+        assert_eq!(installed(list, "duvet").as_deref(), Some("duvet v0.4.3 (/somewhere)"));
+        assert_eq!(installed(list, "cargo-fuzz").as_deref(), Some("cargo-fuzz v0.13.2"));
+        assert_eq!((installed(list, "cargo"), installed("", "duvet")), (None, None));
+    }
+
+    /// The checker is asked where the proofs' setup puts it.
+    #[test]
+    fn the_proofs_tools_are_where_they_are_put() {
+        let (_, words) = TOOLS.into_iter().find(|(name, _)| *name == "cbmc").unwrap();
+        assert_eq!(words.first(), Some(&"target/proofs/tools/bin/cbmc"));
+        let setup = include_str!("../../proofs/setup");
+        assert!(setup.contains("target}/proofs/tools\n") && setup.contains("bin/$program"));
+    }
 }
