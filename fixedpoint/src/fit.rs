@@ -5,8 +5,7 @@
 //! `k` moves edges by `x t/(1 + k t)` of a small `x`.
 //!
 //! What decides where the minimum lies are the residuals, which are kept with 8 fraction bits of a grey level, of a light
-//! of 12. The
-//! model's derivatives have 10 significant bits, in block floating point: the same in a whole layer, so that
+//! of 12. The model's derivatives have 10 significant bits, in block floating point: the same in a whole layer, so that
 //! products of two of them over a window of 640 px add up in 32 bits, and up to 13 where fewer pixels count. Their
 //! rounding, at most half a unit where the largest are a few hundred, is independent of the residuals and moves the
 //! minimum by less than 0.5 % of its standard deviation.

@@ -505,11 +505,13 @@ fn white_that_no_pixel_measures_has_a_hint() {
         assert_fitted(&view, &view.layers(), even, &[None, None]).unwrap();
         let expected = minimum(&view.layers(), &view.start, view.format, &[None, None]).unwrap();
         let (found, white) = (f64::from(fitted.lights[0].offset) / 256.0, expected.last_of(&fitted).white);
+        // Rounding may move it by 0.5 % of its deviation, which a weight of 2^-8 and a noise of 1 leave at 16 grey levels: 0.08.
         assert!((found - white).abs() < 0.05, "{found} {white}");
     }
 }
 
-/// `FIT-13` and `TRELLIS-3`: of views in which pixels tell little, and from up to 1.5 px away, no fit takes more than 9 steps, and guard fits take up to 12.
+/// `FIT-13` and `TRELLIS-3`: of views in which pixels tell little, and from up to 1.5 px away, no fit takes more than 9
+/// steps, and guard fits take up to 12.
 #[test]
 fn fits_take_nine_steps_and_guard_fits_twelve() {
     let (mut steps, mut guards) = ([0; 16], [0; 16]);
@@ -527,7 +529,6 @@ fn fits_take_nine_steps_and_guard_fits_twelve() {
             }
         }
     }
-    std::println!("{steps:?} {guards:?}");
     assert!(steps[8..=9].iter().sum::<i32>() > 0 && steps[10..].iter().sum::<i32>() == 0, "{steps:?}");
     assert!(guards[12] > 0 && guards[13..].iter().sum::<i32>() == 0, "{guards:?}");
 }

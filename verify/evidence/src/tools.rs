@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Tools whose versions a reader may want to know: name and how to ask.
-const TOOLS: [(&str, &[&str]); 10] = [
+const TOOLS: [(&str, &[&str]); 9] = [
     ("rustc", &["rustc", "--version"]),
     ("cargo", &["cargo", "--version"]),
     ("rustc nightly", &["rustc", "+nightly", "--version"]),
-    ("cbmc", &["target/proofs/tools/bin/cbmc", "--version"]),
     ("kani", &["cargo", "kani", "--version"]),
     ("cargo-fuzz", &["cargo", "fuzz", "--version"]),
     ("cargo-mutants", &["cargo", "mutants", "--version"]),
@@ -32,9 +31,17 @@ fn first_line(words: &[&str]) -> Option<String> {
 /// Each tool's own word on its version, or cargo's on one that does not say it, or that it is not installed.
 pub(crate) fn versions() -> BTreeMap<String, String> {
     let said = TOOLS.into_iter().map(|(name, words)| (name, first_line(words)));
-    let known =
-        said.chain([("duvet", installed(&output(&["cargo", "install", "--list"]).unwrap_or_default(), "duvet"))]);
+    let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
+    let known = said.chain([
+        ("cbmc", first_line(&[&checker(&target), "--version"])),
+        ("duvet", installed(&output(&["cargo", "install", "--list"]).unwrap_or_default(), "duvet")),
+    ]);
     known.map(|(name, version)| (name.to_owned(), version.unwrap_or_else(|| "not installed".to_owned()))).collect()
+}
+
+/// Where the proofs' setup puts the model checker.
+fn checker(target: &str) -> String {
+    format!("{target}/proofs/tools/bin/cbmc")
 }
 
 /// A crate and its version in what `cargo install --list` prints: `name v1.2.3:`, and from elsewhere `name v1.2.3 (where):`.
@@ -64,9 +71,10 @@ mod tests {
     /// The checker is asked where the proofs' setup puts it.
     #[test]
     fn the_proofs_tools_are_where_they_are_put() {
-        let (_, words) = TOOLS.into_iter().find(|(name, _)| *name == "cbmc").unwrap();
-        assert_eq!(words.first(), Some(&"target/proofs/tools/bin/cbmc"));
         let setup = include_str!("../../proofs/setup");
-        assert!(setup.contains("target}/proofs/tools\n") && setup.contains("bin/$program"));
+        let folder =
+            setup.lines().find_map(|line| line.strip_prefix("tools=${CARGO_TARGET_DIR:-$here/../../target}")).unwrap();
+        let program = setup.lines().find_map(|line| line.strip_prefix("  cat >\"")?.strip_suffix("\" <<RUN")).unwrap();
+        assert_eq!(checker("there"), format!("there{folder}/{}", program.replace("$program", "cbmc")));
     }
 }
